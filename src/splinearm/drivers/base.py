@@ -1,0 +1,52 @@
+"""The one interface of every arm that moves, real or simulated."""
+
+from types import TracebackType
+from typing import Protocol, Self
+
+from splinearm.joints import JointSetpoint, JointState
+
+
+class ArmDriver(Protocol):
+    """An arm that can be moved, used in a with-block.
+
+    Entering makes the arm ready and lets it hold where it stands. Leaving, also by an exception,
+    holds it where it stands: no arm drops because a program ended.
+    """
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        ...
+
+    def __enter__(self) -> Self:
+        """Make the arm ready; it holds its present position from here on."""
+        ...
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Hold, then let go of the connection; never of the torque."""
+        ...
+
+    def read(self) -> JointState:
+        """Measure the joints.
+
+        Raises:
+            BusError: If a joint gave no answer.
+        """
+        ...
+
+    def write(self, setpoint: JointSetpoint) -> None:
+        """Send a setpoint; it is valid until the next."""
+        ...
+
+    def hold(self) -> None:
+        """Stay where the arm stands, with torque."""
+        ...
+
+    def release(self) -> None:
+        """Switch the torque off. An arm without brakes falls."""
+        ...

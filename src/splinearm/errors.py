@@ -1,0 +1,285 @@
+"""Every error that splinearm raises on purpose.
+
+A wrong argument is a ``ValueError`` or ``TypeError`` where the value enters. What files, arms and
+servos do is one of these; each keeps its facts as fields in SI and speaks in the user's units::
+
+    SplinearmError
+    ├── ConfigError               a file says something that cannot be used
+    ├── KinematicsError
+    │   ├── UnreachableError      no joint angles within the limits reach the pose
+    │   └── SingularityError      the arm has lost a direction there
+    ├── TrajectoryError
+    │   ├── LimitError            a motion would break a limit of a joint
+    │   └── CurveError            a curve that cannot be made or asked there
+    ├── BusError
+    │   ├── PortError             the serial port cannot be used
+    │   ├── BusTimeoutError       a servo does not answer (also a ``TimeoutError``)
+    │   ├── PacketError           bytes came that were not the awaited ones
+    │   └── ServoError            a servo refused, reported a fault or is not as the file says
+    └── MotionError
+        ├── StartError            the arm is not where the motion starts
+        ├── FollowingError        the arm does not keep up with the motion
+        └── StaleFeedbackError    what the arm last said is too old
+"""
+
+from math import pi
+from os import PathLike
+
+
+class SplinearmError(Exception):
+    """Base of every error that splinearm raises on purpose."""
+
+
+class ConfigError(SplinearmError):
+    """A file says something that cannot be used."""
+
+    def __init__(self, file: str | PathLike[str], key: str, reason: str) -> None:
+        self.file = str(file)
+        self.key = key
+        self.reason = reason
+        where = f"{self.file}: {key}" if key else self.file
+        super().__init__(f"{where}: {reason}")
+
+
+class KinematicsError(SplinearmError):
+    """Base of what goes wrong between joint angles and poses."""
+
+
+class UnreachableError(KinematicsError):
+    """No joint angles within the limits reach the pose."""
+
+    def __init__(
+        self,
+        position_error: float,
+        orientation_error: float,
+        joint: str | None = None,
+        reason: str = "",
+        what: str = "the pose",
+    ) -> None:
+        """Take the facts.
+
+        Args:
+            position_error: By how much the nearest answer misses the position, m.
+            orientation_error: By how much it misses the orientation, rad.
+            joint: The joint whose limit is in the way, if one is.
+            reason: Why, and what would help, in the user's units.
+            what: What cannot be reached ("waypoint 3").
+        """
+        self.position_error = position_error
+        self.orientation_error = orientation_error
+        self.joint = joint
+        self.reason = reason
+        self.what = what
+        misses = [f"{position_error * 1e3:.4g} mm"]
+        if orientation_error > 1e-6:
+            misses.append(f"{orientation_error * 180.0 / pi:.4g} deg")
+        message = f"{what} is out of reach by {' and '.join(misses)}"
+        super().__init__(f"{message}: {reason}" if reason else message)
+
+
+class SingularityError(KinematicsError):
+    """The arm has lost a direction of motion there."""
+
+    def __init__(self, q: object, manipulability: float) -> None:
+        self.q = q
+        self.manipulability = manipulability
+        super().__init__(
+            f"the arm is singular there (manipulability {manipulability:.3g}); "
+            "move the path away from it or bend a joint"
+        )
+
+
+class TrajectoryError(SplinearmError):
+    """Base of what goes wrong with curves and motions."""
+
+
+# unit name and how many of it an SI unit holds, by quantity, for turning and sliding joints
+_ANGULAR = {
+    "position": ("deg", 180.0 / pi),
+    "velocity": ("deg/s", 180.0 / pi),
+    "acceleration": ("deg/s2", 180.0 / pi),
+    "jerk": ("deg/s3", 180.0 / pi),
+    "torque": ("N m", 1.0),
+}
+_LINEAR = {
+    "position": ("mm", 1e3),
+    "velocity": ("mm/s", 1e3),
+    "acceleration": ("mm/s2", 1e3),
+    "jerk": ("mm/s3", 1e3),
+    "torque": ("N", 1.0),
+}
+_REMEDY = {"position": "move the waypoint or start elsewhere"}
+
+
+class LimitError(TrajectoryError):
+    """A motion would break a limit of a joint."""
+
+    def __init__(
+        self,
+        joint: str,
+        quantity: str,
+        value: float,
+        limit: float,
+        t: float | None = None,
+        *,
+        linear: bool = False,
+    ) -> None:
+        """Take the facts.
+
+        Args:
+            joint: Name of the joint.
+            quantity: "position", "velocity", "acceleration", "jerk" or "torque".
+            value: What the motion asks for, in SI.
+            limit: What the joint may do, in SI; of a symmetric limit its magnitude.
+            t: When in the motion, s.
+            linear: Whether the joint slides.
+        """
+        self.joint = joint
+        self.quantity = quantity
+        self.value = value
+        self.limit = limit
+        self.t = t
+        unit, per_si = (_LINEAR if linear else _ANGULAR)[quantity]
+        if quantity != "position":
+            limit = -abs(limit) if value < 0.0 else abs(limit)
+        relation = "above" if value > limit else "below"
+        when = "" if t is None else f" at t = {t:.3f} s"
+        super().__init__(
+            f"joint {joint!r}: {quantity} {value * per_si:.6g} {unit} is {relation} its limit "
+            f"{limit * per_si:.6g} {unit}{when}; {_REMEDY.get(quantity, 'slow the motion down')}"
+        )
+
+
+class CurveError(TrajectoryError):
+    """A curve that cannot be made from what was given, or cannot be asked there."""
+
+    def __init__(self, what: str, where: str = "") -> None:
+        self.what = what
+        self.where = where
+        super().__init__(f"{where}: {what}" if where else what)
+
+
+class BusError(SplinearmError):
+    """Base of what goes wrong between the computer and the servos."""
+
+
+class PortError(BusError):
+    """The serial port cannot be used."""
+
+    def __init__(self, port: str, reason: str, remedy: str) -> None:
+        self.port = port
+        self.reason = reason
+        self.remedy = remedy
+        super().__init__(f"port {port}: {reason}; {remedy}")
+
+
+class BusTimeoutError(BusError, TimeoutError):
+    """A servo does not answer."""
+
+    def __init__(self, servo_id: int, register: str = "", *, port: str = "", name: str = "") -> None:
+        """Take the facts.
+
+        Args:
+            servo_id: The servo that does not answer.
+            register: What was asked of it, if it was a register.
+            port: The port it was asked on.
+            name: What the arm file calls the servo.
+        """
+        self.servo_id = servo_id
+        self.register = register
+        self.port = port
+        self.name = name
+        servo = f"servo {servo_id}" + (f" ({name})" if name else "")
+        asked = f" when asked for {register}" if register else ""
+        where = f" on {port}" if port else ""
+        super().__init__(
+            f"{servo} does not answer{asked}{where}; check its power, its cable and its id, "
+            "and the baud rate"
+        )
+
+
+class PacketError(BusError):
+    """Bytes came that were not the awaited ones."""
+
+    def __init__(self, expected: str, actual: str) -> None:
+        self.expected = expected
+        self.actual = actual
+        super().__init__(f"the bus answered {actual} where {expected} was awaited")
+
+
+class ServoError(BusError):
+    """A servo refused an instruction, reported a fault, or is not as the arm file says."""
+
+    def __init__(
+        self, servo_id: int, reason: str, *, code: int = 0, alert: bool = False, name: str = ""
+    ) -> None:
+        """Take the facts.
+
+        Args:
+            servo_id: The servo.
+            reason: What it refused or reported, and what would help.
+            code: The error number of its status packet; 0 if there was none.
+            alert: Whether its alert bit was set (a hardware error is latched).
+            name: What the arm file calls the servo.
+        """
+        self.servo_id = servo_id
+        self.reason = reason
+        self.code = code
+        self.alert = alert
+        self.name = name
+        super().__init__(f"servo {servo_id}{f' ({name})' if name else ''}: {reason}")
+
+
+class MotionError(SplinearmError):
+    """Base of what goes wrong while an arm moves."""
+
+
+class StartError(MotionError):
+    """The arm is not where the motion starts."""
+
+    def __init__(self, joint: str, wanted: float, measured: float, tolerance: float) -> None:
+        """Take the facts, all in rad (m for a sliding joint)."""
+        self.joint = joint
+        self.wanted = wanted
+        self.measured = measured
+        self.tolerance = tolerance
+        deg = 180.0 / pi
+        super().__init__(
+            f"joint {joint!r} is at {measured * deg:.4g} deg but the motion starts at "
+            f"{wanted * deg:.4g} deg (allowed {tolerance * deg:.3g} deg); "
+            "plan an approach first or let one be planned"
+        )
+
+
+class FollowingError(MotionError):
+    """The arm does not keep up with the motion."""
+
+    def __init__(
+        self, joint: str, wanted: float, measured: float, tolerance: float, t: float
+    ) -> None:
+        """Take the facts: positions in rad (m for a sliding joint), time in s."""
+        self.joint = joint
+        self.wanted = wanted
+        self.measured = measured
+        self.tolerance = tolerance
+        self.t = t
+        deg = 180.0 / pi
+        super().__init__(
+            f"joint {joint!r} is at {measured * deg:.4g} deg where {wanted * deg:.4g} deg was "
+            f"wanted at t = {t:.3f} s (allowed {tolerance * deg:.3g} deg off); "
+            "look for a collision or an overload, or move slower"
+        )
+
+
+class StaleFeedbackError(MotionError):
+    """What the arm last said is too old to go on."""
+
+    def __init__(self, age: float, allowed: float, cause: str = "") -> None:
+        """Take the facts: ages in s, and what was the last thing that went wrong."""
+        self.age = age
+        self.allowed = allowed
+        self.cause = cause
+        super().__init__(
+            f"no feedback for {age * 1e3:.0f} ms (allowed {allowed * 1e3:.0f} ms)"
+            + (f": {cause}" if cause else "; check cable and power")
+        )
