@@ -176,7 +176,9 @@ class PortError(BusError):
 class BusTimeoutError(BusError, TimeoutError):
     """A servo does not answer."""
 
-    def __init__(self, servo_id: int, register: str = "", *, port: str = "", name: str = "") -> None:
+    def __init__(
+        self, servo_id: int, register: str = "", *, port: str = "", name: str = ""
+    ) -> None:
         """Take the facts.
 
         Args:

@@ -1,0 +1,75 @@
+"""The entry point: finds the command, turns errors into one line and an exit code.
+
+Exit codes: 0 done; 1 the motion was stopped by a fault; 2 nothing moved, because of bad input or an
+arm that is not ready; 130 stopped by Ctrl-C.
+
+Nothing heavy is imported before a command is chosen: ``--help`` stays quick.
+"""
+
+import argparse
+import logging
+import sys
+from collections.abc import Sequence
+from typing import Protocol
+
+from splinearm.errors import MotionError, SplinearmError, StartError
+
+from . import arms, demo, plan, run, scan, virtual_bus
+
+DONE, FAULT, REFUSED, INTERRUPTED = 0, 1, 2, 130
+
+
+class _Command(Protocol):
+    """What a command's file offers."""
+
+    def add_parser(self, commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+        """Declare the command's words."""
+        ...
+
+
+_COMMANDS: tuple[_Command, ...] = (demo, run, plan, arms, scan, virtual_bus)
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Give the parser of the whole command line."""
+    parser = argparse.ArgumentParser(
+        prog="splinearm",
+        description="Plan robot-arm motions as B-splines and carry them out.",
+        epilog="New here? Run 'splinearm demo': it needs no hardware.",
+    )
+    parser.add_argument("--version", action="store_true", help="print the version and leave")
+    parser.add_argument("-v", "--verbose", action="store_true", help="say more on the error stream")
+    commands = parser.add_subparsers(title="commands", dest="command", metavar="COMMAND")
+    for command in _COMMANDS:
+        command.add_parser(commands)
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line; give the exit code."""
+    parser = build_parser()
+    args = parser.parse_args(argv)
+    if args.version:
+        from importlib.metadata import version
+
+        print(f"splinearm {version('splinearm')}")
+        return DONE
+    if args.command is None:
+        parser.print_help()
+        return REFUSED
+    logging.basicConfig(
+        level=logging.INFO if args.verbose else logging.WARNING,
+        format="%(levelname)s %(name)s: %(message)s",
+    )
+    try:
+        return int(args.run(args))
+    except SplinearmError as error:
+        print(f"splinearm: {error}", file=sys.stderr)
+        return FAULT if isinstance(error, MotionError) and not _unmoved(error) else REFUSED
+    except KeyboardInterrupt:
+        print("splinearm: stopped", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _unmoved(error: MotionError) -> bool:
+    return isinstance(error, StartError)

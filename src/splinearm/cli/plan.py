@@ -1,0 +1,39 @@
+"""``splinearm plan JOB``: what a job's motion would be; nothing moves."""
+
+import argparse
+from pathlib import Path
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Declare the command's words."""
+    parser = commands.add_parser(
+        "plan",
+        help="show what a job's motion would be",
+        description="Plan a job and show its duration and how much of each limit it uses. "
+        "Nothing moves.",
+    )
+    parser.add_argument("job", help="the job's TOML file")
+    parser.add_argument("--plot", type=Path, default=None, metavar="FILE", help="draw a PNG")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Plan and print."""
+    from splinearm.config import load_cell, load_job
+    from splinearm.runner import plan_job
+
+    from .files import require_new
+    from .output import console
+    from .report import print_plan
+
+    require_new(args.plot)
+    job = load_job(args.job)
+    planned = plan_job(job, load_cell(job.arm))
+    console.print(f"{job.title} on {planned.cell.arm.name}")
+    print_plan(planned)
+    if args.plot is not None:
+        from splinearm.viewer.plot import plot_plan
+
+        plot_plan(args.plot, planned)
+        console.print(f"picture: {args.plot}")
+    return 0

@@ -1,0 +1,72 @@
+"""What a run has to say for itself, as tables."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from splinearm.units import DEG, MM
+
+from .output import console, table
+
+if TYPE_CHECKING:
+    from splinearm.control.report import Spread
+    from splinearm.joints import JointLimits
+    from splinearm.runner import PlannedJob, RunResult
+    from splinearm.trajectories.plan import LimitPeak
+
+
+def print_report(result: "RunResult", csv: Path | None) -> None:
+    """Print the errors of a run, the loop's timing, and where the rows are."""
+    tracking, loop = result.tracking, result.loop
+    rows = [
+        ("tool off its path, commanded", *_in(tracking.path_commanded, MM), "mm"),
+        ("tool off its path, measured", *_in(tracking.path_measured, MM), "mm"),
+        ("tool behind its time", *_in(tracking.tool_lag, MM), "mm"),
+        ("tool turned", *_in(tracking.tool_turn, DEG), "deg"),
+        *(_joint_row(name, spread, result) for name, spread in tracking.joints),
+    ]
+    console.print(table(("tracking error", "rms", "worst", "unit"), rows))
+    console.print(
+        f"loop: {loop.cycles} cycles at {loop.rate:g} Hz, {loop.missed} missed, "
+        f"{loop.unanswered} unanswered; late by {loop.lateness.rms * 1e3:.2f} ms rms, "
+        f"{loop.lateness.worst * 1e3:.2f} ms at worst; busy {loop.busy.rms * 1e3:.2f} ms"
+    )
+    console.print(f"outcome: {result.outcome.value}")
+    if csv is not None:
+        console.print(f"rows: {csv}")
+
+
+def _joint_row(name: str, spread: "Spread", result: "RunResult") -> tuple[str, ...]:
+    unit, per = unit_of(result.planned.cell.arm.limits, name)
+    return (f"joint {name}", *_in(spread, per), unit)
+
+
+def print_plan(planned: "PlannedJob") -> None:
+    """Print the duration of a plan and how much of each limit it uses at its peaks."""
+    plan, limits = planned.plan, planned.cell.arm.limits
+    console.print(f"duration: {plan.trajectory.duration:.3f} s")
+    rows = [_peak_row(peak, limits) for peak in plan.peaks()]
+    console.print(table(("joint", "quantity", "peak", "limit", "unit", "used", "at s"), rows))
+
+
+def _peak_row(peak: "LimitPeak", limits: "JointLimits") -> tuple[str, ...]:
+    unit, per = unit_of(limits, peak.joint)
+    suffix = {"position": "", "velocity": "/s", "acceleration": "/s2"}[peak.quantity]
+    return (
+        peak.joint,
+        peak.quantity,
+        f"{peak.value / per:.4g}",
+        f"{peak.limit / per:.4g}",
+        unit + suffix,
+        f"{abs(peak.value / peak.limit):.1%}",
+        f"{peak.t:.3f}",
+    )
+
+
+def unit_of(limits: "JointLimits", joint: str) -> tuple[str, float]:
+    """Give the unit in which people read a joint's position, and how much of SI it is."""
+    linear = limits.kinds[limits.names.index(joint)].value == "prismatic"
+    return ("mm", MM) if linear else ("deg", DEG)
+
+
+def _in(spread: "Spread", unit: float) -> tuple[str, str]:
+    return f"{spread.rms / unit:.4f}", f"{spread.worst / unit:.4f}"

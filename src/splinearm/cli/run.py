@@ -1,0 +1,97 @@
+"""``splinearm run JOB``: carry out a job."""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from splinearm.runner import PlannedJob, RunResult
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Declare the command's words."""
+    parser = commands.add_parser(
+        "run",
+        help="carry out a job on a simulated or a real arm",
+        description="Carry out a job. Ctrl-C slows the arm down along its path; it then holds.",
+    )
+    parser.add_argument("job", help="the job's TOML file")
+    parser.add_argument(
+        "--on",
+        default="mujoco",
+        metavar="WHERE",
+        help="mujoco, virtual (servos on a virtual bus), or a serial port such as /dev/ttyUSB0 "
+        "(default: mujoco)",
+    )
+    parser.add_argument("--arm", default=None, help="use this arm file; it must be the job's arm")
+    parser.add_argument("--rate", type=float, default=None, metavar="HZ", help="setpoints a second")
+    parser.add_argument("--csv", type=Path, default=None, metavar="FILE", help="write every cycle")
+    parser.add_argument("--plot", type=Path, default=None, metavar="FILE", help="draw a PNG")
+    parser.add_argument(
+        "--realtime", action="store_true", help="let the MuJoCo arm keep pace with the clock"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Plan, move, report."""
+    from splinearm.config import load_cell, load_job
+    from splinearm.runner import plan_job
+
+    from .files import require_new
+    from .words import rate_of
+
+    require_new(args.csv, args.plot)
+    job = load_job(args.job, arm=args.arm)
+    if args.rate is not None:
+        job = replace(job, rate=rate_of(args.rate))
+    planned = plan_job(job, load_cell(job.arm))
+    result = carry_out(planned, args.on, csv=args.csv, realtime=args.realtime)
+    if args.plot is not None:
+        draw(result, args.plot)
+    return exit_code(result)
+
+
+def carry_out(
+    planned: "PlannedJob", where: str, *, csv: Path | None, realtime: bool
+) -> "RunResult":
+    """Carry out a job with a progress bar and print what came of it."""
+    from splinearm.backends import open_arm
+    from splinearm.runner import run_job
+
+    from .output import console, progress
+    from .report import print_report
+
+    job, cell = planned.job, planned.cell
+    duration = planned.plan.trajectory.duration
+    with open_arm(cell, where, realtime=realtime) as station:
+        console.print(f"{job.title} on {cell.arm.name}, {station.where}: {duration:.2f} s")
+        with progress() as bar:
+            task = bar.add_task("moving", total=duration)
+            result = run_job(
+                planned,
+                station,
+                csv=csv,
+                observe=lambda cycle: bar.update(task, completed=min(cycle.t, duration)),
+                announce=console.print,
+            )
+    print_report(result, csv)
+    return result
+
+
+def draw(result: "RunResult", file: Path) -> None:
+    """Draw a run into a PNG and say so."""
+    from splinearm.viewer.plot import plot_run
+
+    from .output import console
+
+    plot_run(file, result)
+    console.print(f"picture: {file}")
+
+
+def exit_code(result: "RunResult") -> int:
+    """Give 0 for a finished motion, 130 for one that was stopped by a person."""
+    from splinearm.control.follow import Outcome
+
+    return 0 if result.outcome is Outcome.FINISHED else 130

@@ -1,0 +1,158 @@
+"""What a setpoint must pass before it may leave for the arm."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from splinearm.errors import FollowingError, LimitError, StartError
+from splinearm.joints import JointKind, JointLimits, JointSetpoint, JointState
+from splinearm.trajectories.trajectory import JointTrajectory
+from splinearm.units import DEG
+
+# rounding, and the half period by which a setpoint may be sampled late: not a margin to use up
+_SLACK = 1e-6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tolerances:
+    """How far an arm may be from where it is wanted, rad (m for a sliding joint)."""
+
+    start: float = 2.0 * DEG
+    """From the first setpoint, before anything moves."""
+    path: float | None = 12.0 * DEG
+    """From the setpoint, during the motion; None: not watched."""
+    goal: float | None = 5.0 * DEG
+    """From the last setpoint, at the end; None: not watched."""
+    settle: float = 1.0
+    """How long the arm may take to come within ``goal`` after the motion, s."""
+
+    def __post_init__(self) -> None:
+        for name in ("start", "path", "goal", "settle"):
+            value = getattr(self, name)
+            if value is not None and not value > 0.0:
+                raise ValueError(f"{name}: want a number above zero or None, got {value}")
+
+
+class Guard:
+    """Refuses motions and setpoints that break a limit or do not continue the last one."""
+
+    def __init__(self, limits: JointLimits, tolerances: Tolerances | None = None) -> None:
+        self.limits = limits
+        self.tolerances = Tolerances() if tolerances is None else tolerances
+        self._last: JointSetpoint | None = None
+
+    def admit(self, trajectory: JointTrajectory, period: float) -> None:
+        """Pass a whole motion, or refuse it before anything moves.
+
+        It is looked at in every cycle and four times between cycles.
+
+        Args:
+            trajectory: The motion.
+            period: Time between setpoints, s.
+
+        Raises:
+            LimitError: With joint, quantity, value, limit and time.
+        """
+        count = max(2, int(np.ceil(trajectory.duration / period)) * 5 + 1)
+        ts = np.linspace(0.0, trajectory.duration, count)
+        q, qd, qdd = trajectory.sample(ts)
+        limits = self.limits
+        over = (
+            (q < limits.q_min - _SLACK)
+            | (q > limits.q_max + _SLACK)
+            | (np.abs(qd) > limits.qd_max * (1.0 + _SLACK))
+            | (np.abs(qdd) > limits.qdd_max * (1.0 + _SLACK))
+        ).any(axis=1)
+        if over.any():
+            i = int(np.argmax(over))
+            limits.check(q[i], qd[i], qdd[i], t=float(ts[i]))
+
+    def begin(self, trajectory: JointTrajectory, state: JointState) -> None:
+        """Pass an arm that stands where the motion starts; forget the last setpoint.
+
+        Raises:
+            StartError: With the joint that is elsewhere.
+        """
+        away = np.abs(state.q - trajectory.q_start)
+        worst = int(np.argmax(away))
+        if away[worst] > self.tolerances.start:
+            raise StartError(
+                self.limits.names[worst],
+                float(trajectory.q_start[worst]),
+                float(state.q[worst]),
+                self.tolerances.start,
+            )
+        self._last = None
+
+    def check(self, setpoint: JointSetpoint, elapsed: float) -> None:
+        """Pass one setpoint that is within the limits and continues the last.
+
+        Args:
+            setpoint: What is about to be written.
+            elapsed: Time of the motion since the last setpoint that was written, s.
+
+        Raises:
+            LimitError: If it breaks a limit, or is further from the last setpoint, in position or
+                velocity, than the limits allow in that time.
+        """
+        self.limits.check(setpoint.q, setpoint.qd, setpoint.qdd, t=setpoint.t, tolerance=_SLACK)
+        if self._last is not None and elapsed > 0.0:
+            rate = (setpoint.q - self._last.q) / elapsed
+            self._refuse("velocity", rate, self.limits.qd_max, setpoint.t)
+            gain = (setpoint.qd - self._last.qd) / elapsed
+            self._refuse("acceleration", gain, self.limits.qdd_max, setpoint.t)
+        self._last = setpoint
+
+    def follows(self, setpoint: JointSetpoint, state: JointState, t: float) -> None:
+        """Pass an arm that keeps up with the motion.
+
+        Raises:
+            FollowingError: With the joint that does not.
+        """
+        if self.tolerances.path is not None:
+            self._near(setpoint, state, self.tolerances.path, t)
+
+    def arrived(self, setpoint: JointSetpoint, state: JointState) -> bool:
+        """Tell whether the arm is within the goal tolerance, or need not be."""
+        goal = self.tolerances.goal
+        return goal is None or bool((np.abs(state.q - setpoint.q) <= goal).all())
+
+    def require_arrival(self, setpoint: JointSetpoint, state: JointState, t: float) -> None:
+        """Pass an arm that is within the goal tolerance.
+
+        Raises:
+            FollowingError: With the joint that is not.
+        """
+        if self.tolerances.goal is not None:
+            self._near(setpoint, state, self.tolerances.goal, t)
+
+    def _near(self, setpoint: JointSetpoint, state: JointState, tolerance: float, t: float) -> None:
+        away = np.abs(state.q - setpoint.q)
+        worst = int(np.argmax(away))
+        if away[worst] > tolerance:
+            raise FollowingError(
+                self.limits.names[worst],
+                float(setpoint.q[worst]),
+                float(state.q[worst]),
+                tolerance,
+                t,
+            )
+
+    def _refuse(
+        self,
+        quantity: str,
+        value: "np.ndarray[tuple[int, ...], np.dtype[np.float64]]",
+        limit: "np.ndarray[tuple[int, ...], np.dtype[np.float64]]",
+        t: float,
+    ) -> None:
+        over = np.abs(value) > limit * (1.0 + 1e-3)
+        if over.any():
+            i = int(np.argmax(over))
+            raise LimitError(
+                self.limits.names[i],
+                quantity,
+                float(value[i]),
+                float(limit[i]),
+                t,
+                linear=self.limits.kinds[i] is JointKind.PRISMATIC,
+            )

@@ -1,0 +1,47 @@
+"""Ctrl-C and SIGTERM as a wish to stop, which the loop turns into a stop along the path."""
+
+import signal
+import threading
+from collections.abc import Callable
+from types import FrameType, TracebackType
+from typing import Self
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_Handler = Callable[[int, FrameType | None], object] | int | None
+
+
+class StopRequest:
+    """While its with-block lasts, SIGINT and SIGTERM set a flag and do nothing else."""
+
+    def __init__(self) -> None:
+        self._asked = threading.Event()
+        self._before: dict[signal.Signals, _Handler] = {}
+
+    @property
+    def requested(self) -> bool:
+        """Whether a stop was asked for."""
+        return self._asked.is_set()
+
+    def request(self) -> None:
+        """Ask for a stop, from any thread."""
+        self._asked.set()
+
+    def __enter__(self) -> Self:
+        # only the main thread may have signal handlers; elsewhere `request` is the way
+        if threading.current_thread() is threading.main_thread():
+            for number in _SIGNALS:
+                self._before[number] = signal.signal(number, self._on_signal)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+        self._before.clear()
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:
+        self._asked.set()

@@ -1,0 +1,158 @@
+"""A job from its file to the end of its motion: plan, approach, follow, report."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from splinearm.backends import Station
+from splinearm.config import Cell, Job
+from splinearm.control.follow import Loop, Outcome
+from splinearm.control.guard import Guard, Tolerances
+from splinearm.control.record import Cycle, Recorder
+from splinearm.control.report import LoopReport, TrackingReport, report_loop, report_tracking
+from splinearm.control.stop import StopRequest
+from splinearm.errors import UnreachableError
+from splinearm.trajectories.plan import Plan, plan, plan_joint_move
+from splinearm.units import DEG
+
+APPROACH_SHARE = 0.3
+"""Share of the speed limits that the way to the start takes."""
+
+APPROACH_FROM = 0.2 * DEG
+"""Nearer than this to its start an arm needs no approach, rad (m for a sliding joint)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlannedJob:
+    """A job whose motion is known."""
+
+    job: Job
+    """What the file says."""
+    cell: Cell
+    """The arm of the job."""
+    plan: Plan
+    """The motion."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class RunResult:
+    """A job that was carried out, or stopped."""
+
+    outcome: Outcome
+    """Whether it ran to its end."""
+    planned: PlannedJob
+    """What was wanted."""
+    recorder: Recorder
+    """What happened, without the approach."""
+    tracking: TrackingReport
+    """How far off it was."""
+    loop: LoopReport
+    """How well the loop kept its time."""
+
+
+def plan_job(job: Job, cell: Cell) -> PlannedJob:
+    """Plan the motion of a job, within the share of the arm's limits that the job allows.
+
+    Raises:
+        UnreachableError: If a waypoint cannot be reached; its message begins with the file.
+        TrajectoryError: If the motion cannot be made.
+    """
+    try:
+        motion = plan(
+            cell.arm,
+            job.waypoints,
+            job.q_start,
+            limits=cell.arm.limits.scaled(job.limits_share),
+            position_tolerance=job.position_tolerance,
+            closed=job.closed,
+        )
+    except UnreachableError as error:
+        raise UnreachableError(
+            error.position_error,
+            error.orientation_error,
+            error.joint,
+            error.reason,
+            what=f"{job.file}: {error.what}",
+        ) from error
+    return PlannedJob(job, cell, motion)
+
+
+def run_job(
+    planned: PlannedJob,
+    station: Station,
+    *,
+    csv: Path | None = None,
+    observe: Callable[[Cycle], object] | None = None,
+    announce: Callable[[str], object] | None = None,
+) -> RunResult:
+    """Carry out a job on an open arm; Ctrl-C slows it down along its path and holds.
+
+    Args:
+        planned: The job and its motion.
+        station: The arm, open.
+        csv: Where every cycle of the motion is written; must not be there yet.
+        observe: Gets every cycle of the motion.
+        announce: Gets one line whenever a person should know.
+
+    Raises:
+        SplinearmError: See ``Recorder`` and ``Loop.follow``.
+    """
+    cell, wanted = planned.cell, planned.plan
+    say = announce if announce is not None else _ignore
+    guard = Guard(cell.arm.limits, Tolerances())
+    recorder = Recorder(cell.arm.joint_names, cell.arm.limits.kinds, csv)
+
+    def keep(cycle: Cycle) -> None:
+        recorder(cycle)
+        if observe is not None:
+            observe(cycle)
+
+    period = 1.0 / planned.job.rate
+    approach = Loop(
+        driver=station.driver, clock=station.clock, guard=guard, period=period, announce=say
+    )
+    motion = Loop(
+        driver=station.driver,
+        clock=station.clock,
+        guard=guard,
+        period=period,
+        observe=keep,
+        announce=say,
+    )
+    with recorder, StopRequest() as stop:
+        outcome = _approach(approach, wanted, cell, say, stop)
+        if outcome is Outcome.FINISHED:
+            outcome = motion.follow(wanted.trajectory, stop)
+    return RunResult(
+        outcome=outcome,
+        planned=planned,
+        recorder=recorder,
+        tracking=report_tracking(cell.arm, wanted, recorder),
+        loop=report_loop(recorder.cycles, period),
+    )
+
+
+def _approach(
+    loop: Loop, wanted: Plan, cell: Cell, say: Callable[[str], object], stop: StopRequest
+) -> Outcome:
+    """Bring the arm to the start of the motion, slowly and announced."""
+    present = loop.driver.read().q
+    away = np.abs(present - wanted.trajectory.q_start)
+    if away.max() <= APPROACH_FROM:
+        return Outcome.FINISHED
+    limits = cell.arm.limits
+    limits.check(present, tolerance=APPROACH_FROM)
+    start = np.clip(present, limits.q_min, limits.q_max)  # by a sensor's rounding at the most
+    way = plan_joint_move(limits.scaled(APPROACH_SHARE), start, wanted.trajectory.q_start)
+    worst = int(np.argmax(away))
+    say(
+        f"the arm is not at the start (joint {limits.names[worst]!r} is off by "
+        f"{away[worst] / DEG:.1f} deg): approaching in {way.duration:.1f} s"
+    )
+    return loop.follow(way, stop)
+
+
+def _ignore(_: object) -> None:
+    """Say nothing."""

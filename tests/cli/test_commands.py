@@ -1,0 +1,147 @@
+"""The commands on good input."""
+
+import csv
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from splinearm.cli.main import DONE, INTERRUPTED
+from splinearm.config import shipped_arms
+
+
+def figure(text, row, column):
+    """Give a number of a printed table: its row's label and its place after that."""
+    (line,) = [line for line in text.splitlines() if row in line]
+    return float(re.findall(r"-?\d+\.\d+", line)[column])
+
+
+def test_arms_lists_every_shipped_arm(cli):
+    assert cli("arms") == DONE
+    for name in shipped_arms():
+        assert name in cli.out
+
+
+def test_a_plan_says_how_long_and_how_much_of_each_limit(cli):
+    assert cli("plan", cli.job(), "--plot", "plan.png") == DONE
+    assert re.search(r"duration: \d+\.\d+ s", cli.out)
+    for word in ("joint1", "joint2", "velocity", "acceleration", "%"):
+        assert word in cli.out
+    assert (cli.folder / "plan.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.sim
+def test_a_run_on_mujoco_leaves_rows_and_a_picture(cli):
+    assert cli("run", cli.job(), "--csv", "rows.csv", "--plot", "run.png") == DONE
+    assert "the arm is not at the start" in cli.out
+    assert "outcome: finished" in cli.out
+    assert (cli.folder / "run.png").read_bytes().startswith(b"\x89PNG")
+    rows = list(csv.DictReader((cli.folder / "rows.csv").open()))
+    assert float(rows[0]["joint1_wanted_deg"]) == pytest.approx(20.0)
+    assert float(rows[-1]["joint2_wanted_deg"]) == pytest.approx(60.0)
+    assert [int(row["cycle"]) for row in rows] == list(range(len(rows)))
+
+
+@pytest.mark.sim
+def test_a_run_at_another_rate_has_as_many_more_cycles(cli):
+    assert cli("run", cli.job(), "--rate", "200", "--csv", "fast.csv") == DONE
+    assert cli("run", cli.job(), "--rate", "50", "--csv", "slow.csv") == DONE
+    fast, slow = (len((cli.folder / f"{n}.csv").read_text().splitlines()) for n in ("fast", "slow"))
+    assert fast == pytest.approx(4 * slow, rel=0.05)
+
+
+@pytest.mark.sim
+def test_the_demo_stays_on_its_path(cli):
+    assert cli("demo", "--out", "runs") == DONE
+    assert figure(cli.out, "tool off its path, commanded", 1) <= 0.05
+    assert figure(cli.out, "tool off its path, measured", 1) <= 2.0
+    folder = cli.folder / "runs" / "demo-1"
+    assert {file.name for file in folder.iterdir()} == {"demo.csv", "demo.png"}
+    assert cli("demo", "--out", "runs") == DONE
+    assert (cli.folder / "runs" / "demo-2").is_dir()
+
+
+@pytest.mark.sim
+def test_an_arm_of_ones_own_runs_like_a_shipped_one(cli):
+    cli.arm()
+    job = cli.job(
+        ('arm = "planar_2r"', 'arm = "mine.toml"'),
+        ("[350.0, 100.0, 60.0]", "[250.0, 100.0, 50.0]"),
+        ("[250.0, 250.0, 60.0]", "[150.0, 200.0, 50.0]"),
+    )
+    assert cli("run", job) == DONE
+    assert "on mine, MuJoCo" in cli.out
+
+
+@pytest.mark.bus
+def test_a_run_on_the_virtual_bus_goes_through_servos(cli):
+    assert cli("run", cli.job(), "--on", "virtual", "--csv", "rows.csv") == DONE
+    assert re.search(r"virtual servos on /dev/pts/\d+", cli.out)
+    assert re.search(r"loop: \d+ cycles at 100 Hz, 0 missed, 0 unanswered", cli.out)
+    rows = list(csv.DictReader((cli.folder / "rows.csv").open()))
+    assert float(rows[-1]["joint2_measured_deg"]) == pytest.approx(60.0, abs=2.0)
+    assert rows[0]["joint1_current_a"] != ""
+
+
+def _start(*words, **more):
+    command = [sys.executable, "-m", "splinearm", *map(str, words)]
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more
+    )
+
+
+@pytest.mark.bus
+def test_the_virtual_bus_prints_its_port_and_scan_finds_its_servos(cli):
+    bus = _start("virtual-bus", "koch_v1_1")
+    try:
+        port = bus.stdout.readline().removeprefix("port: ").strip()
+        assert cli("scan", port, "--baud", "1000000") == DONE
+        for servo_id in range(1, 7):
+            assert re.search(rf"\b{servo_id}\b", cli.out)
+        assert "XL330-M288" in cli.out
+        assert "XL430-W250" in cli.out
+    finally:
+        bus.send_signal(signal.SIGINT)
+        _, complaint = bus.communicate(timeout=20)
+    assert bus.returncode == DONE
+    assert complaint == ""
+
+
+@pytest.mark.bus
+def test_a_scan_that_finds_nothing_says_what_to_try(cli):
+    bus = _start("virtual-bus", "planar_2r")
+    try:
+        port = bus.stdout.readline().removeprefix("port: ").strip()
+        assert cli("scan", port, "--baud", "57600") == 2
+        assert "no servo answers" in cli.out
+    finally:
+        bus.terminate()
+        bus.communicate(timeout=20)
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_run_stops_along_its_path_and_says_so(cli, number):
+    run = _start("run", cli.job(), "--on", "mujoco", "--realtime", "--csv", "rows.csv")
+    deadline = time.monotonic() + 30.0
+    rows = cli.folder / "rows.csv"
+    while time.monotonic() < deadline and not (rows.exists() and rows.stat().st_size > 2000):
+        time.sleep(0.02)
+    run.send_signal(number)
+    out, complaint = run.communicate(timeout=30)
+    assert run.returncode == INTERRUPTED, complaint
+    assert "stopping along the path in" in out
+    assert "outcome: stopped" in out
+    last = list(csv.DictReader(rows.open()))[-1]
+    assert float(last["joint1_wanted_rate_deg_s"]) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_help_and_version_are_there(cli):
+    assert cli("--help") == DONE
+    for word in ("demo", "run", "plan", "arms", "scan", "virtual-bus"):
+        assert word in cli.out
+    assert cli("--version") == DONE
+    assert re.match(r"splinearm \d+\.\d+", cli.out)
