@@ -1,0 +1,210 @@
+"""Job files: where an arm shall go, in which way and how fast.
+
+The keys of a job file (``schema = "splinearm-job/1"``)::
+
+    name, title             what it is called, and what it is
+    arm                     a shipped arm, or the path of an arm file as seen from the job file
+    start or start_deg      a named pose of the arm (default "home"), or one number a joint
+    [motion]                for all waypoints; all optional
+        through             "bspline" (default), "line" or "joint": how a waypoint is reached
+        speed_mm_s          of the tool; without it as fast as the joints may
+        closed              true: back to the start in the end; B-splines make one closed curve
+        limits_percent      share of the arm's speed limits that the motion may use (default 100)
+        rate_hz             setpoints a second (default 100)
+        position_tolerance_mm   how far the tool may be off the wanted curve (default 0.02)
+    [[waypoint]]            in order; where, and what differs from [motion]
+        position_mm, and quat_wxyz or rpy_deg if the orientation matters; or joints_deg
+        through, speed_mm_s
+        blend_mm            how near to the corner here rounding it may begin (0: it stops there)
+        stop, dwell_s       whether to stop here, and for how long
+        name
+
+Poses are those of the tool in the arm's base frame. For an arm with sliding joints the keys are
+``start_deg_mm`` and ``joints_deg_mm``.
+"""
+
+from dataclasses import dataclass
+from importlib.resources import files
+from os import PathLike
+from pathlib import Path
+
+from splinearm.arrays import FloatArray
+from splinearm.kinematics import Pose
+from splinearm.trajectories.waypoint import Move, Waypoint
+
+from .cell import Cell, load_cell, read_positions, shipped_arms
+from .frame import read_quat
+from .reader import Table, read_file
+from .unit import positions_key
+
+JOB_SCHEMA = "splinearm-job/1"
+"""What a job file says it is."""
+
+_MOVES = [move.value for move in Move]
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Job:
+    """What a job file says."""
+
+    name: str
+    """What it is called."""
+    title: str
+    """What it is, in words."""
+    file: Path
+    """The file."""
+    arm: Path
+    """The file of the arm that it is for."""
+    q_start: FloatArray
+    """Where the motion starts, shape (n,), rad or m."""
+    waypoints: tuple[Waypoint, ...]
+    """Where it goes."""
+    closed: bool
+    """Whether it leads back to the start in the end."""
+    limits_share: float
+    """Share of the arm's speed limits that it may use, above 0 and at most 1."""
+    rate: float
+    """Setpoints a second, Hz."""
+    position_tolerance: float
+    """How far the tool may be off the wanted curve, m."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Motion:
+    """What holds for every waypoint that does not say otherwise."""
+
+    move: str
+    speed: float | None
+
+
+def load_job(path: str | PathLike[str], *, arm: str | PathLike[str] | None = None) -> Job:
+    """Read a job file.
+
+    Args:
+        path: The job file.
+        arm: Use this arm (a shipped one or the path of its file) in place of the file that the job
+            names, such as a calibrated copy. It must be the same arm by name.
+
+    Raises:
+        ConfigError: If the file says something that cannot be used, or is for another arm.
+    """
+    file = Path(path)
+    root = read_file(file, JOB_SCHEMA)
+    name, title = root.text("name"), root.text("title")
+    cell = _load_arm(root, file, arm)
+    q_start = _read_start(root, cell)
+    motion, waypoint_tables = root.table("motion"), root.tables("waypoint")
+    root.finish()
+    if not waypoint_tables:
+        raise root.refuse("waypoint", "is missing; give a [[waypoint]] table for each place")
+    usual = _read_usual(motion)
+    job = Job(
+        name=name,
+        title=title,
+        file=file,
+        arm=cell.file,
+        q_start=q_start,
+        waypoints=tuple(_read_waypoint(table, cell, usual) for table in waypoint_tables),
+        closed=motion.flag("closed"),
+        limits_share=motion.number("limits_percent", 1.0, above=0.0, high=1.0),
+        rate=motion.number("rate_hz", 100.0, above=0.0),
+        position_tolerance=motion.number("position_tolerance_mm", 2e-5, above=0.0),
+    )
+    motion.finish()
+    return job
+
+
+def demo_job() -> Job:
+    """Give the shipped job: the planar arm draws a closed curve."""
+    return load_job(Path(str(files("splinearm.config"))) / "jobs" / "heart.toml")
+
+
+def _load_arm(root: Table, file: Path, wanted: str | PathLike[str] | None) -> Cell:
+    named = root.text("arm")
+    own = file.parent / named
+    if named not in shipped_arms() and not own.is_file():
+        shipped = ", ".join(shipped_arms())
+        raise root.refuse("arm", f"{named!r} is no shipped arm ({shipped}) and {own} is no file")
+    cell = load_cell(named if named in shipped_arms() else own)
+    if wanted is None:
+        return cell
+    other = load_cell(wanted)
+    if other.name != cell.name:
+        raise root.refuse(
+            "arm", f"this job is for {cell.name!r}, not for {other.name!r} ({other.file})"
+        )
+    return other
+
+
+def _read_start(root: Table, cell: Cell) -> FloatArray:
+    key = positions_key("start", cell.arm.limits.kinds)
+    if key not in root:
+        return cell.poses[root.choice("start", cell.poses, "home")]
+    if "start" in root:
+        raise root.refuse("start", f"says again what {key} says; take one of them out")
+    return read_positions(root, "start", cell.arm.limits)
+
+
+def _read_usual(table: Table) -> _Motion:
+    move = table.choice("through", _MOVES, Move.BSPLINE.value)
+    return _Motion(move, _read_speed(table))
+
+
+def _read_speed(table: Table) -> float | None:
+    return table.number("speed_mm_s", above=0.0) if "speed_mm_s" in table else None
+
+
+def _read_waypoint(table: Table, cell: Cell, usual: _Motion) -> Waypoint:
+    name = table.text("name", "")
+    pose, position, q = _read_place(table, cell)
+    move = Move(table.choice("through", _MOVES, usual.move))
+    own_speed = _read_speed(table)
+    speed = usual.speed if own_speed is None else own_speed
+    blend = table.number("blend_mm", 0.0, low=0.0)
+    dwell = table.number("dwell_s", 0.0, low=0.0)
+    stop = table.flag("stop")
+    table.finish()
+    if blend > 0.0:
+        _check_blend(table, move, "stop" if stop else "dwell_s" if dwell > 0.0 else None)
+    return Waypoint(
+        pose=pose,
+        position=position,
+        q=q,
+        move=move,
+        speed=speed,
+        blend=blend,
+        stop=stop,
+        dwell=dwell,
+        name=name,
+    )
+
+
+def _check_blend(table: Table, move: Move, resting: str | None) -> None:
+    """Refuse to round a corner that is stopped at or does not exist."""
+    if resting is not None:
+        raise table.refuse(
+            "blend_mm", f"contradicts {resting}: a corner is rounded or rested at; take one out"
+        )
+    if move is Move.BSPLINE:
+        raise table.refuse(
+            "blend_mm",
+            'rounds corners, and a B-spline has none; take it out, or set through = "line"',
+        )
+
+
+def _read_place(
+    table: Table, cell: Cell
+) -> tuple[Pose | None, FloatArray | None, FloatArray | None]:
+    """Read where a waypoint is: a pose, a position or joint positions."""
+    limits = cell.arm.limits
+    joints = positions_key("joints", limits.kinds)
+    quat = read_quat(table)
+    if joints in table:
+        for key in ("position_mm", "quat_wxyz", "rpy_deg"):
+            if key in table:
+                raise table.refuse(key, f"says again what {joints} says; take one of them out")
+        return None, None, read_positions(table, "joints", limits)
+    position = table.numbers("position_mm", 3)
+    if quat is None:
+        return None, position, None
+    return Pose(position, quat), None, None
