@@ -3,6 +3,7 @@
 from types import TracebackType
 from typing import Protocol, Self
 
+from splinearm.arrays import FloatArray
 from splinearm.joints import JointSetpoint, JointState
 
 
@@ -16,6 +17,14 @@ class ArmDriver(Protocol):
     @property
     def n(self) -> int:
         """Number of joints."""
+        ...
+
+    @property
+    def goal(self) -> FloatArray:
+        """Where the arm was last told to be, shape (n,), rad; by its weight it may hang below.
+
+        A motion that starts here, not where the arm was measured, starts without a jerk.
+        """
         ...
 
     def __enter__(self) -> Self:

@@ -1,0 +1,131 @@
+"""A serial port as bytes: send a packet, wait for exactly the bytes that answer it.
+
+Waiting sleeps in the kernel; it ends with the last byte or at a deadline that follows from the time
+the bytes take on the wire.
+"""
+
+import os
+import select
+import termios
+import time
+
+from splinearm.errors import PortError
+
+BITS_PER_BYTE = 10
+"""Start bit, eight data bits, stop bit."""
+RETURN_DELAY = 5e-4
+"""Longest time a servo waits before it answers (factory setting of Return Delay Time), s."""
+_CHUNK = 4096
+_GONE = select.POLLHUP | select.POLLERR | select.POLLNVAL
+
+
+class SerialLink:
+    """An open serial port.
+
+    Args:
+        port: Its name, for errors.
+        fd: Its file descriptor, in raw mode and not blocking.
+        baud: Bits per second.
+        margin: How long an answer may come later than the wire needs, s.
+    """
+
+    def __init__(self, port: str, fd: int, baud: int, margin: float) -> None:
+        self.port = port
+        self.baud = baud
+        self.margin = margin
+        self._fd = fd
+        self._poll = select.poll()
+        self._poll.register(fd, select.POLLIN)
+
+    def close(self) -> None:
+        """Forget the port, so that nothing is ever sent to what gets its number next."""
+        if self._fd >= 0:
+            self._poll.unregister(self._fd)
+            self._fd = -1
+
+    def deadline(self) -> float:
+        """Say until when to wait for bytes that should be here now, monotonic clock, s."""
+        return time.monotonic() + self.margin
+
+    def send(self, frame: bytes, answers: int = 0, answer_bytes: int = 0) -> float:
+        """Send a packet, after throwing away what came unasked before.
+
+        Args:
+            frame: The packet.
+            answers: How many servos will answer it.
+            answer_bytes: How many bytes they will send in all.
+
+        Returns:
+            Until when the answer must have come, on the monotonic clock, s.
+
+        Raises:
+            PortError: If the port is gone.
+        """
+        try:
+            termios.tcflush(self._fd, termios.TCIFLUSH)
+            sent = self._write(frame)
+            while sent < len(frame):
+                sent += self._write(frame[sent:])
+        except (OSError, termios.error, ValueError) as error:
+            raise self.gone(error) from error
+        wire = (len(frame) + answer_bytes) * BITS_PER_BYTE / self.baud
+        return self.deadline() + wire + answers * RETURN_DELAY
+
+    def receive(self, count: int, deadline: float) -> bytes:
+        """Give the next ``count`` bytes, or as many as come until the deadline; perhaps a few more.
+
+        Raises:
+            PortError: If the port is gone.
+        """
+        data = self.receive_some(deadline)
+        if not data or len(data) >= count:
+            return data
+        pieces, length = [data], len(data)
+        while length < count:
+            data = self.receive_some(deadline)
+            if not data:
+                break
+            pieces.append(data)
+            length += len(data)
+        return b"".join(pieces)
+
+    def receive_some(self, deadline: float) -> bytes:
+        """Give what comes next; nothing if nothing comes until the deadline.
+
+        Raises:
+            PortError: If the port is gone.
+        """
+        if self._fd < 0:
+            raise self.gone("it was closed")
+        while True:
+            left = deadline - time.monotonic()
+            events: list[tuple[int, int]] = []
+            try:
+                events = self._poll.poll(max(left, 0.0) * 1e3)
+                data = os.read(self._fd, _CHUNK) if events else b""
+            except BlockingIOError:
+                data = b""
+            except (OSError, ValueError) as error:
+                raise self.gone(error) from error
+            if data or not events or left <= 0.0:
+                return data
+            if events[0][1] & _GONE:
+                raise self.gone("the device hung up")
+
+    def _write(self, data: bytes) -> int:
+        """Give the port as many bytes as it takes, after waiting for room if it takes none."""
+        try:
+            return os.write(self._fd, data)
+        except BlockingIOError:
+            writable = select.poll()
+            writable.register(self._fd, select.POLLOUT)
+            writable.poll(self.margin * 1e3)
+            return os.write(self._fd, data)
+
+    def gone(self, cause: object) -> PortError:
+        """Make the error of a port that is not there any more."""
+        return PortError(
+            self.port,
+            f"the connection is lost ({cause})",
+            "check the cable and the power of the adapter, then start again",
+        )

@@ -1,0 +1,210 @@
+"""What must be so before an arm of servos may be switched on.
+
+Everything is asked of all servos at once; the first thing that is not as the arm's file says is
+raised with the servo, the register, what was found, what was wanted and what helps.
+"""
+
+import logging
+from collections.abc import Mapping, Sequence
+
+from splinearm.errors import BusTimeoutError, ServoError
+
+from .bus import PingReply, Reply, ServoBus, loss_error
+from .chain import ServoSpec
+from .cyclic import GroupRead, GroupWrite
+from .groups import BulkRead
+from .model import servo_model_by_number
+from .registers import Area
+from .scaling import operating_mode
+
+_log = logging.getLogger(__name__)
+
+_TRIES = 3
+_NO_SECONDARY_ID = 253
+"""From here on the Secondary(Shadow) ID means that there is none."""
+_ANSWER_ALL = 2
+"""Status Return Level at which every instruction is answered."""
+
+
+def require_calibration(leaders: Sequence[ServoSpec]) -> None:
+    """Refuse leaders whose joint zero is not known."""
+    for servo in leaders:
+        if servo.zero_ticks is None:
+            raise ServoError(
+                servo.servo_id,
+                f"where joint {servo.joint!r} is zero is not known; calibrate it and write its "
+                "zero_ticks into the arm's file",
+                name=servo.name,
+            )
+
+
+def call_roll(bus: ServoBus, servos: Sequence[ServoSpec]) -> dict[int, PingReply]:
+    """Ping every servo; give by id what it says of itself.
+
+    A shadow must be there like its leader: without it half of the torque is missing, and one that
+    only lost its data line would go on holding against its leader.
+
+    Raises:
+        BusTimeoutError: If a servo does not answer.
+        ServoError: If a servo is of another model.
+    """
+    return {servo.servo_id: _ping(bus, servo) for servo in servos}
+
+
+def _ping(bus: ServoBus, servo: ServoSpec) -> PingReply:
+    """Ping a servo and see that it is what the file says."""
+    try:
+        reply = bus.ping(servo.servo_id)
+    except BusTimeoutError as error:
+        raise BusTimeoutError(servo.servo_id, port=bus.port, name=servo.name) from error
+    wanted = servo.servo_model
+    if reply.model_number != wanted.number:
+        try:
+            found = servo_model_by_number(reply.model_number).name
+        except ValueError:
+            found = f"model number {reply.model_number}"
+        raise ServoError(
+            servo.servo_id,
+            f"found a {found}, wanted a {wanted.name}; correct the model in the arm's file, or "
+            "the id of the servo",
+            name=servo.name,
+        )
+    return reply
+
+
+def let_all_answer(bus: ServoBus, servos: Sequence[ServoSpec]) -> None:
+    """Make every servo answer every instruction, also one that was told not to."""
+    name = "Status Return Level"
+    targets = [(servo.servo_id, servo.servo_model.table[name]) for servo in servos]
+    bus.sync_write(GroupWrite(targets), [_ANSWER_ALL] * len(targets))
+
+
+def read_all(bus: ServoBus, servos: Sequence[ServoSpec], name: str) -> dict[int, int]:
+    """Read a register of many servos, trying again what is lost; give the values by id.
+
+    Raises:
+        BusError: If a servo gives no answer.
+    """
+    registers = {servo.servo_id: servo.servo_model.table[name] for servo in servos}
+    if not registers:
+        return {}
+    group = GroupRead(
+        [BulkRead(servo_id, r.address, r.size) for servo_id, r in registers.items()], fast=False
+    )
+    values: dict[int, int] = {}
+    replies: Mapping[int, Reply] = {}
+    for _ in range(_TRIES):
+        replies = bus.sync_read(group)
+        for servo_id, reply in replies.items():
+            if reply.loss is None:
+                values[servo_id] = registers[servo_id].decode(reply.data)
+        if len(values) == len(registers):
+            return values
+    lost = next(servo for servo in servos if servo.servo_id not in values)
+    reply = replies[lost.servo_id]
+    raise loss_error(reply, lost.servo_id, name, port=bus.port, name=lost.name)
+
+
+def check_settings(bus: ServoBus, servos: Sequence[ServoSpec]) -> None:
+    """Refuse servos that are not set as the arm's file says.
+
+    Drive Mode, Operating Mode, Homing Offset and Secondary ID decide where a goal sends the arm:
+    they must agree. What else the file says of the EEPROM is compared too, and told by a warning.
+
+    Raises:
+        ServoError: With servo, register, what was found, what was wanted, and what helps.
+    """
+    drive = read_all(bus, servos, "Drive Mode")
+    mode = read_all(bus, servos, "Operating Mode")
+    homing = read_all(bus, servos, "Homing Offset")
+    secondary = read_all(bus, servos, "Secondary(Shadow) ID")
+    for servo in servos:
+        number, settings = servo.servo_id, servo.settings
+        _agree(servo, "Drive Mode", drive[number], settings.get("Drive Mode", 0))
+        _agree(servo, "Operating Mode", mode[number], operating_mode(servo))
+        wanted = min(settings.get("Secondary(Shadow) ID", 255), _NO_SECONDARY_ID)
+        found = min(secondary[number], _NO_SECONDARY_ID)
+        _agree(servo, "Secondary(Shadow) ID", found, wanted)
+        if is_coupled(servo) and "Homing Offset" not in settings:
+            continue  # it makes up for how the shadow is mounted; where it stands is compared
+        _agree(servo, "Homing Offset", homing[number], settings.get("Homing Offset", 0))
+    _tell_other_settings(bus, servos)
+
+
+def is_coupled(servo: ServoSpec) -> bool:
+    """Say whether a servo also obeys what is sent to another id."""
+    return servo.settings.get("Secondary(Shadow) ID", 255) < _NO_SECONDARY_ID
+
+
+def _agree(servo: ServoSpec, register: str, found: int, wanted: int) -> None:
+    """Refuse a servo whose register holds something else."""
+    if found != wanted:
+        raise ServoError(
+            servo.servo_id,
+            f"{register} is {found}, wanted {wanted}; with its torque off set the servo to "
+            f"{wanted}, or correct the arm's file",
+            name=servo.name,
+        )
+
+
+def _tell_other_settings(bus: ServoBus, servos: Sequence[ServoSpec]) -> None:
+    """Warn of EEPROM settings that differ from the file."""
+    told = ("Drive Mode", "Operating Mode", "Homing Offset", "Secondary(Shadow) ID")
+    names = {
+        name
+        for servo in servos
+        for name in servo.settings
+        if name not in told and servo.servo_model.table[name].area is Area.EEPROM
+    }
+    for name in sorted(names):
+        concerned = [servo for servo in servos if name in servo.settings]
+        found = read_all(bus, concerned, name)
+        for servo in concerned:
+            have, want = found[servo.servo_id], servo.settings[name]
+            if have != want:
+                _log.warning(
+                    "servo %d (%s): %s is %d, the arm's file says %d",
+                    servo.servo_id,
+                    servo.name,
+                    name,
+                    have,
+                    want,
+                )
+
+
+def check_health(bus: ServoBus, servos: Sequence[ServoSpec]) -> None:
+    """Refuse servos that have latched a hardware error.
+
+    Raises:
+        ServoError: With the errors by name.
+    """
+    status = read_all(bus, servos, "Hardware Error Status")
+    for servo in servos:
+        if status[servo.servo_id]:
+            raise hardware_error(servo, status[servo.servo_id])
+
+
+def hardware_error(servo: ServoSpec, status: int) -> ServoError:
+    """Make the error of a servo that reports a hardware error."""
+    faults = " and ".join(servo.servo_model.hardware_errors(status)) or "an unknown fault"
+    return ServoError(
+        servo.servo_id,
+        f"it has stopped itself: {faults} (Hardware Error Status 0x{status:02X}); remove the "
+        "cause, support the arm, then reboot the servo or switch its power off and on",
+        alert=True,
+        name=servo.name,
+    )
+
+
+def write_ram_settings(bus: ServoBus, servos: Sequence[ServoSpec]) -> None:
+    """Write what the arm's file says of the RAM: gains, profile and the like.
+
+    Unless the file says otherwise a servo goes to a goal at once (profile 0): the motion's profile
+    is in its setpoints, and a second one would only lag behind.
+    """
+    for servo in servos:
+        table = servo.servo_model.table
+        wanted = {"Profile Acceleration": 0, "Profile Velocity": 0}
+        wanted |= {k: v for k, v in servo.settings.items() if table[k].area is Area.RAM}
+        for name, value in wanted.items():
+            bus.write(servo.servo_id, table[name], value)
