@@ -1,0 +1,116 @@
+"""What servos turn: the joints of an arm in MuJoCo, or a horn with nothing on it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import copysign
+
+import mujoco
+import numpy as np
+
+from splinearm.arrays import FloatArray
+from splinearm.kinematics.arm import Arm
+
+from .model import add_duty_motor, build_spec, compile_model
+from .motor import Motor, together
+from .shaft import TIMESTEP, Shaft
+
+_MOST_SERVOS = 31  # MuJoCo's actuator groups that can be cut off
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drive:
+    """A servo's motor at a joint."""
+
+    joint: str
+    """The joint."""
+    motor: Motor
+    """The motor."""
+    shaft: Shaft
+    """Its shaft."""
+
+
+class ArmPlant:
+    """An arm in MuJoCo, each joint driven by one or more servos."""
+
+    def __init__(self, arm: Arm, drives: Sequence[Drive], q_start: FloatArray) -> None:
+        """Let the arm stand at ``q_start``, shape (n,), rad, at rest.
+
+        Raises:
+            ValueError: If a joint has no servo, or there are more than MuJoCo can cut off.
+        """
+        if len(drives) > _MOST_SERVOS:
+            raise ValueError(f"drives: want at most {_MOST_SERVOS} servos, got {len(drives)}")
+        idle = set(arm.joint_names) - {drive.joint for drive in drives}
+        if idle:
+            raise ValueError(f"drives: no servo moves {', '.join(sorted(idle))}")
+        self._drives = tuple(drives)
+        self._joints = [arm.joint_names.index(drive.joint) for drive in drives]
+        motors = [
+            together(drive.motor for drive in drives if drive.joint == name)
+            for name in arm.joint_names
+        ]
+        spec = build_spec(arm, motors, timestep=TIMESTEP)
+        for group, drive in enumerate(drives):
+            add_duty_motor(spec, f"servo {group}", drive.joint, drive.motor, group)
+        self._model = compile_model(spec)
+        self._data = mujoco.MjData(self._model)
+        self._data.qpos[:] = q_start
+        mujoco.mj_forward(self._model, self._data)
+        self._report()
+
+    @property
+    def q(self) -> FloatArray:
+        """Where the joints are, shape (n,), rad."""
+        return np.array(self._data.qpos)
+
+    @property
+    def speed(self) -> float:
+        """How fast the quickest joint moves, rad/s."""
+        return max(abs(drive.shaft.speed) for drive in self._drives)
+
+    def step(self) -> None:
+        """Let ``TIMESTEP`` go by."""
+        cut_off = 0
+        control = self._data.ctrl
+        for group, drive in enumerate(self._drives):
+            duty = drive.shaft.duty
+            if duty is None:
+                cut_off |= 1 << group
+            else:
+                control[group] = duty
+        self._model.opt.disableactuator = cut_off
+        mujoco.mj_step(self._model, self._data)
+        self._report()
+
+    def _report(self) -> None:
+        """Tell the shafts where they are."""
+        q, qd = self._data.qpos.tolist(), self._data.qvel.tolist()
+        for joint, drive in zip(self._joints, self._drives, strict=True):
+            drive.shaft.angle = q[joint]
+            drive.shaft.speed = qd[joint]
+
+
+class FreePlant:
+    """A motor with nothing to carry but its own rotor and friction: a gripper's servo."""
+
+    def __init__(self, motor: Motor, shaft: Shaft) -> None:
+        self._motor = motor
+        self._shaft = shaft
+
+    @property
+    def speed(self) -> float:
+        """How fast it turns, rad/s."""
+        return abs(self._shaft.speed)
+
+    def step(self) -> None:
+        """Let ``TIMESTEP`` go by."""
+        motor, shaft = self._motor, self._shaft
+        speed = shaft.speed
+        if shaft.duty is not None:
+            # J dw/dt = stall (duty - w / no_load), implicit in w so that any step is stable
+            slope = motor.stall_torque / motor.no_load_speed
+            push = motor.armature * speed + TIMESTEP * motor.stall_torque * shaft.duty
+            speed = push / (motor.armature + TIMESTEP * slope)
+        brake = TIMESTEP * motor.friction / motor.armature
+        shaft.speed = copysign(max(abs(speed) - brake, 0.0), speed)
+        shaft.angle += TIMESTEP * shaft.speed
