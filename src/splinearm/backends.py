@@ -18,6 +18,12 @@ from splinearm.errors import ConfigError, PortError
 _CENTRE_TICKS = 2048
 """Where the horns of virtual servos are mounted when the arm file leaves it to calibration."""
 
+_USB_MARGIN = 0.008
+"""How long an answer may take beyond its time on the wire, through a USB adapter, s."""
+
+_PTY_MARGIN = 0.05
+"""The same on the pseudo terminal of the virtual bus, on a busy computer, s."""
+
 _BUS_START_TIMEOUT = 20.0
 """How long the virtual bus may take to start, s."""
 
@@ -56,7 +62,10 @@ def open_arm(
             yield station
     elif where == "virtual":
         chain = centred(require_chain(cell))
-        with _virtual_bus_process(cell, q_start) as port, _open_servos(cell, chain, port) as arm:
+        with (
+            _virtual_bus_process(cell, q_start) as port,
+            _open_servos(cell, chain, port, _PTY_MARGIN) as arm,
+        ):
             yield replace(arm, where=f"virtual servos on {port}")
     else:
         with _open_servos(cell, require_chain(cell), where) as station:
@@ -75,11 +84,13 @@ def _open_mujoco(cell: Cell, q_start: FloatArray | None, *, realtime: bool) -> I
 
 
 @contextmanager
-def _open_servos(cell: Cell, chain: ServoChain, port: str) -> Iterator[Station]:
+def _open_servos(
+    cell: Cell, chain: ServoChain, port: str, margin: float = _USB_MARGIN
+) -> Iterator[Station]:
     from splinearm.drivers.dynamixel import DynamixelBus
     from splinearm.drivers.servo_arm import ServoArm
 
-    bus = DynamixelBus(port, chain.baud)
+    bus = DynamixelBus(port, chain.baud, margin=margin)
     with ServoArm(chain, cell.arm.joint_names, cell.arm.limits, bus) as arm:
         yield Station(driver=arm, clock=WallClock(), where=f"servos on {port}")
 

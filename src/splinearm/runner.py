@@ -138,13 +138,13 @@ def _approach(
     loop: Loop, wanted: Plan, cell: Cell, say: Callable[[str], object], stop: StopRequest
 ) -> Outcome:
     """Bring the arm to the start of the motion, slowly and announced."""
-    present = loop.driver.read().q
-    away = np.abs(present - wanted.trajectory.q_start)
+    held = loop.driver.goal
+    away = np.abs(held - wanted.trajectory.q_start)
     if away.max() <= APPROACH_FROM:
         return Outcome.FINISHED
     limits = cell.arm.limits
-    limits.check(present, tolerance=APPROACH_FROM)
-    start = np.clip(present, limits.q_min, limits.q_max)  # by a sensor's rounding at the most
+    limits.check(held, tolerance=APPROACH_FROM)
+    start = np.clip(held, limits.q_min, limits.q_max)  # by the rounding to ticks at the most
     way = plan_joint_move(limits.scaled(APPROACH_SHARE), start, wanted.trajectory.q_start)
     worst = int(np.argmax(away))
     say(

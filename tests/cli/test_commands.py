@@ -39,7 +39,7 @@ def test_a_run_on_mujoco_leaves_rows_and_a_picture(cli):
     assert "the arm is not at the start" in cli.out
     assert "outcome: finished" in cli.out
     assert (cli.folder / "run.png").read_bytes().startswith(b"\x89PNG")
-    rows = list(csv.DictReader((cli.folder / "rows.csv").open()))
+    rows = list(csv.DictReader((cli.folder / "rows.csv").read_text().splitlines()))
     assert float(rows[0]["joint1_wanted_deg"]) == pytest.approx(20.0)
     assert float(rows[-1]["joint2_wanted_deg"]) == pytest.approx(60.0)
     assert [int(row["cycle"]) for row in rows] == list(range(len(rows)))
@@ -81,7 +81,7 @@ def test_a_run_on_the_virtual_bus_goes_through_servos(cli):
     assert cli("run", cli.job(), "--on", "virtual", "--csv", "rows.csv") == DONE
     assert re.search(r"virtual servos on /dev/pts/\d+", cli.out)
     assert re.search(r"loop: \d+ cycles at 100 Hz, 0 missed, 0 unanswered", cli.out)
-    rows = list(csv.DictReader((cli.folder / "rows.csv").open()))
+    rows = list(csv.DictReader((cli.folder / "rows.csv").read_text().splitlines()))
     assert float(rows[-1]["joint2_measured_deg"]) == pytest.approx(60.0, abs=2.0)
     assert rows[0]["joint1_current_a"] != ""
 
@@ -135,7 +135,7 @@ def test_an_interrupted_run_stops_along_its_path_and_says_so(cli, number):
     assert run.returncode == INTERRUPTED, complaint
     assert "stopping along the path in" in out
     assert "outcome: stopped" in out
-    last = list(csv.DictReader(rows.open()))[-1]
+    last = list(csv.DictReader(rows.read_text().splitlines()))[-1]
     assert float(last["joint1_wanted_rate_deg_s"]) == pytest.approx(0.0, abs=1e-6)
 
 

@@ -31,6 +31,10 @@ class IdealArm:
     def n(self) -> int:
         return self.q.size
 
+    @property
+    def goal(self) -> np.ndarray:
+        return self.written[-1].q if self.written else self.q
+
     def __enter__(self) -> Self:
         return self
 

@@ -39,11 +39,14 @@ def test_a_motion_beyond_a_limit_is_refused_with_joint_and_time(limits, tightene
 
 def test_a_motion_that_starts_elsewhere_is_refused_by_the_joint_that_is_off(guard, limits):
     motion = plan_joint_move(limits, np.zeros(2), np.array([1.0, 1.0]))
-    guard.begin(motion, state([0.01, -0.01]))
+    held = np.array([0.001, -0.001])
+    guard.begin(motion, state([0.001, -0.04]), held)
     with pytest.raises(StartError) as caught:
-        guard.begin(motion, state([0.0, 0.2]))
+        guard.begin(motion, state([0.0, 0.2]), np.array([0.0, 0.2]))
     assert caught.value.joint == "elbow"
     assert "11.46 deg" in str(caught.value)
+    with pytest.raises(StartError, match="shoulder"):
+        guard.begin(motion, state([-0.3, 0.0]), held)
 
 
 def test_a_setpoint_beyond_a_limit_does_not_pass(guard):
@@ -70,6 +73,7 @@ def test_a_setpoint_whose_velocity_jumps_does_not_pass(guard):
 
 def test_an_arm_that_falls_behind_is_named_with_what_was_wanted(guard):
     guard.follows(setpoint([0.5, 0.5]), state([0.45, 0.5]), 0.3)
+    guard.follows(setpoint([0.5, 0.5], qd=(2.0, 0.0)), state([0.2, 0.5]), 0.3)
     with pytest.raises(FollowingError) as caught:
         guard.follows(setpoint([0.5, 0.5]), state([0.1, 0.5]), 0.3)
     assert (caught.value.joint, caught.value.t) == ("shoulder", 0.3)
@@ -85,3 +89,5 @@ def test_a_guard_without_a_path_tolerance_watches_no_path(limits):
 def test_tolerances_refuse_a_number_that_is_not_above_zero():
     with pytest.raises(ValueError, match="path: want a number above zero"):
         Tolerances(path=0.0)
+    with pytest.raises(ValueError, match="lag: want a time of at least zero"):
+        Tolerances(lag=-0.1)

@@ -29,7 +29,7 @@ def test_a_row_is_in_the_units_its_columns_wear(tmp_path):
     file = tmp_path / "run.csv"
     with Recorder(NAMES, KINDS, file) as recorder:
         recorder(cycle(0))
-    (row,) = csv.DictReader(file.open())
+    (row,) = csv.DictReader(file.read_text().splitlines())
     assert float(row["turn_wanted_deg"]) == pytest.approx(90.0)
     assert float(row["slide_wanted_mm"]) == pytest.approx(50.0)
     assert float(row["turn_measured_deg"]) == pytest.approx(45.0)
@@ -43,10 +43,10 @@ def test_a_cycle_without_an_answer_leaves_its_cells_empty(tmp_path):
     file = tmp_path / "run.csv"
     with Recorder(NAMES, KINDS, file) as recorder:
         recorder(cycle(0, answered=False))
-    (row,) = csv.DictReader(file.open())
+    (row,) = csv.DictReader(file.read_text().splitlines())
     assert row["turn_measured_deg"] == ""
     assert row["turn_wanted_deg"] != ""
-    assert set(row) == set(csv.DictReader(file.open()).fieldnames)
+    assert set(row) == set(csv.DictReader(file.read_text().splitlines()).fieldnames)
     assert None not in row
 
 

@@ -76,7 +76,7 @@ class Loop:
             MotionError: After the arm was stopped along its path, what made it stop.
         """
         self.guard.admit(trajectory, self.period)
-        self.guard.begin(trajectory, self.driver.read())
+        self.guard.begin(trajectory, self.driver.read(), self.driver.goal)
         with stop if stop is not None else StopRequest() as request:
             return _Run(self, trajectory, request).to_end()
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from splinearm.arrays import FloatArray
 from splinearm.errors import FollowingError, LimitError, StartError
 from splinearm.joints import JointKind, JointLimits, JointSetpoint, JointState
 from splinearm.trajectories.trajectory import JointTrajectory
@@ -17,16 +18,21 @@ _SLACK = 1e-6
 class Tolerances:
     """How far an arm may be from where it is wanted, rad (m for a sliding joint)."""
 
-    start: float = 2.0 * DEG
-    """From the first setpoint, before anything moves."""
-    path: float | None = 12.0 * DEG
-    """From the setpoint, during the motion; None: not watched."""
+    start: float = 0.25 * DEG
+    """From the first setpoint, where the arm is held before anything moves: so far it may jump."""
+    path: float | None = 8.0 * DEG
+    """From the setpoint, during the motion, besides ``lag``; None: not watched."""
+    lag: float = 0.1
+    """How long behind its setpoint a joint may be while it moves, s: a plain position servo lags
+    by its speed times such a time, 0.045 s for an XM430-W350 with the gains it is sold with."""
     goal: float | None = 5.0 * DEG
     """From the last setpoint, at the end; None: not watched."""
     settle: float = 1.0
     """How long the arm may take to come within ``goal`` after the motion, s."""
 
     def __post_init__(self) -> None:
+        if not (np.isfinite(self.lag) and self.lag >= 0.0):
+            raise ValueError(f"lag: want a time of at least zero, got {self.lag}")
         for name in ("start", "path", "goal", "settle"):
             value = getattr(self, name)
             if value is not None and not value > 0.0:
@@ -67,22 +73,29 @@ class Guard:
             i = int(np.argmax(over))
             limits.check(q[i], qd[i], qdd[i], t=float(ts[i]))
 
-    def begin(self, trajectory: JointTrajectory, state: JointState) -> None:
-        """Pass an arm that stands where the motion starts; forget the last setpoint.
+    def begin(self, trajectory: JointTrajectory, state: JointState, goal: FloatArray) -> None:
+        """Pass an arm that is held where the motion starts; forget the last setpoint.
+
+        Args:
+            trajectory: The motion.
+            state: Where the arm is; by its weight it may hang below where it is held.
+            goal: Where it is held, shape (n,), rad.
 
         Raises:
             StartError: With the joint that is elsewhere.
         """
-        away = np.abs(state.q - trajectory.q_start)
-        worst = int(np.argmax(away))
-        if away[worst] > self.tolerances.start:
-            raise StartError(
-                self.limits.names[worst],
-                float(trajectory.q_start[worst]),
-                float(state.q[worst]),
-                self.tolerances.start,
-            )
+        sag = np.inf if self.tolerances.path is None else self.tolerances.path
+        self._at_start(trajectory.q_start, goal, self.tolerances.start)
+        self._at_start(trajectory.q_start, state.q, self.tolerances.start + sag)
         self._last = None
+
+    def _at_start(self, start: FloatArray, q: FloatArray, tolerance: float) -> None:
+        away = np.abs(q - start)
+        worst = int(np.argmax(away))
+        if away[worst] > tolerance:
+            raise StartError(
+                self.limits.names[worst], float(start[worst]), float(q[worst]), tolerance
+            )
 
     def check(self, setpoint: JointSetpoint, elapsed: float) -> None:
         """Pass one setpoint that is within the limits and continues the last.
@@ -109,8 +122,9 @@ class Guard:
         Raises:
             FollowingError: With the joint that does not.
         """
-        if self.tolerances.path is not None:
-            self._near(setpoint, state, self.tolerances.path, t)
+        path, lag = self.tolerances.path, self.tolerances.lag
+        if path is not None:
+            self._near(setpoint, state, path + lag * np.abs(setpoint.qd), t)
 
     def arrived(self, setpoint: JointSetpoint, state: JointState) -> bool:
         """Tell whether the arm is within the goal tolerance, or need not be."""
@@ -123,26 +137,29 @@ class Guard:
         Raises:
             FollowingError: With the joint that is not.
         """
-        if self.tolerances.goal is not None:
-            self._near(setpoint, state, self.tolerances.goal, t)
+        goal = self.tolerances.goal
+        if goal is not None:
+            self._near(setpoint, state, np.full_like(setpoint.q, goal), t)
 
-    def _near(self, setpoint: JointSetpoint, state: JointState, tolerance: float, t: float) -> None:
+    def _near(
+        self, setpoint: JointSetpoint, state: JointState, tolerance: FloatArray, t: float
+    ) -> None:
         away = np.abs(state.q - setpoint.q)
-        worst = int(np.argmax(away))
-        if away[worst] > tolerance:
+        worst = int(np.argmax(away - tolerance))
+        if away[worst] > tolerance[worst]:
             raise FollowingError(
                 self.limits.names[worst],
                 float(setpoint.q[worst]),
                 float(state.q[worst]),
-                tolerance,
+                float(tolerance[worst]),
                 t,
             )
 
     def _refuse(
         self,
         quantity: str,
-        value: "np.ndarray[tuple[int, ...], np.dtype[np.float64]]",
-        limit: "np.ndarray[tuple[int, ...], np.dtype[np.float64]]",
+        value: FloatArray,
+        limit: FloatArray,
         t: float,
     ) -> None:
         over = np.abs(value) > limit * (1.0 + 1e-3)

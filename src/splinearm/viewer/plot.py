@@ -13,6 +13,7 @@ from splinearm.units import DEG, MM
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.gridspec import GridSpec
 
 _WANTED = {"color": "0.6", "linewidth": 2.5, "label": "wanted"}
 _MEASURED = {"color": "C0", "linewidth": 1.0, "label": "measured"}
@@ -28,11 +29,10 @@ def plot_run(file: Path, result: RunResult) -> None:
     t, wanted, measured, _ = result.recorder.measured()
     p_wanted = arm.fk(wanted)[..., :3, 3]
     p_measured = arm.fk(measured)[..., :3, 3]
-    figure = _figure(planned.job.title)
-    _draw_path(figure, tool_path.sample(_CURVE_POINTS), p_measured)
-    joints = figure.add_subplot(2, 2, 2)
-    _draw_joints(joints, planned, t, wanted, measured)
-    errors = figure.add_subplot(2, 2, 4)
+    figure, grid = _figure(planned.job.title)
+    _draw_path(figure, grid, tool_path.sample(_CURVE_POINTS), p_measured)
+    _draw_joints(figure.add_subplot(grid[0, 1]), planned, t, wanted, measured)
+    errors = figure.add_subplot(grid[1, 1])
     errors.plot(t, tool_path.distance(p_measured) / MM, color="C3", label="off the path")
     lag = np.linalg.norm(p_measured - p_wanted, axis=-1)
     errors.plot(t, lag / MM, color="C1", linewidth=0.9, label="behind its time")
@@ -46,12 +46,11 @@ def plot_plan(file: Path, planned: PlannedJob) -> None:
     trajectory = planned.plan.trajectory
     t = np.linspace(0.0, trajectory.duration, _CURVE_POINTS)
     q, qd, qdd = trajectory.sample(t)
-    figure = _figure(planned.job.title)
-    _draw_path(figure, planned.plan.tool_path.sample(_CURVE_POINTS), None)
-    joints = figure.add_subplot(2, 2, 2)
-    _draw_joints(joints, planned, t, q, None)
+    figure, grid = _figure(planned.job.title)
+    _draw_path(figure, grid, planned.plan.tool_path.sample(_CURVE_POINTS), None)
+    _draw_joints(figure.add_subplot(grid[0, 1]), planned, t, q, None)
     limits = planned.cell.arm.limits
-    used = figure.add_subplot(2, 2, 4)
+    used = figure.add_subplot(grid[1, 1])
     used.plot(t, np.abs(qd / limits.qd_max).max(axis=1) * 100.0, color="C0", label="velocity")
     used.plot(t, np.abs(qdd / limits.qdd_max).max(axis=1) * 100.0, color="C3", label="acceleration")
     used.set(xlabel="t / s", ylabel="worst joint / % of its limit")
@@ -59,20 +58,22 @@ def plot_plan(file: Path, planned: PlannedJob) -> None:
     figure.savefig(file, dpi=130)
 
 
-def _figure(title: str) -> "Figure":
+def _figure(title: str) -> "tuple[Figure, GridSpec]":
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11.0, 6.0), layout="constrained")
     figure.suptitle(title)
-    return figure
+    return figure, figure.add_gridspec(2, 2)
 
 
-def _draw_path(figure: "Figure", wanted: FloatArray, measured: FloatArray | None) -> None:
+def _draw_path(
+    figure: "Figure", grid: "GridSpec", wanted: FloatArray, measured: FloatArray | None
+) -> None:
     """Draw the tool's path in its plane, or in space if it has none of the coordinate planes."""
     axes_used = np.flatnonzero(np.ptp(wanted, axis=0) >= _FLAT)
     flat = axes_used.size <= 2
-    shown = _shown_axes(axes_used) if flat else np.arange(3)
-    axes: Any = figure.add_subplot(1, 2, 1, projection=None if flat else "3d")
+    shown = _shown_axes(axes_used) if flat else [0, 1, 2]
+    axes: Any = figure.add_subplot(grid[:, 0], projection=None if flat else "3d")
     axes.plot(*(wanted[:, i] / MM for i in shown), **_WANTED)
     if measured is not None:
         axes.plot(*(measured[:, i] / MM for i in shown), **_MEASURED)
