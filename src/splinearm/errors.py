@@ -59,8 +59,8 @@ class UnreachableError(KinematicsError):
         """Take the facts.
 
         Args:
-            position_error: By how much the nearest answer misses the position, m.
-            orientation_error: By how much it misses the orientation, rad.
+            position_error: By how much the nearest answer misses the position, m; 0: not at all.
+            orientation_error: By how much it misses the orientation, rad; 0: not at all.
             joint: The joint whose limit is in the way, if one is.
             reason: Why, and what would help, in the user's units.
             what: What cannot be reached ("waypoint 3").
@@ -70,8 +70,10 @@ class UnreachableError(KinematicsError):
         self.joint = joint
         self.reason = reason
         self.what = what
-        misses = [f"{position_error * 1e3:.4g} mm"]
-        if orientation_error > 1e-6:
+        misses = []
+        if position_error > 0.0 or orientation_error == 0.0:
+            misses.append(f"{position_error * 1e3:.4g} mm")
+        if orientation_error > 0.0:
             misses.append(f"{orientation_error * 180.0 / pi:.4g} deg")
         message = f"{what} is out of reach by {' and '.join(misses)}"
         super().__init__(f"{message}: {reason}" if reason else message)

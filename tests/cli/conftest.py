@@ -64,6 +64,7 @@ inertia_kg_m2 = [1e-5, 3e-4, 3e-4, 0.0, 0.0, 0.0]
 
 [bus]
 baud = 1000000
+supply_v = 12.0
 
 [[servo]]
 name = "shoulder"

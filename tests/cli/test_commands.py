@@ -128,7 +128,9 @@ def test_an_interrupted_run_stops_along_its_path_and_says_so(cli, number):
     run = _start("run", cli.job(), "--on", "mujoco", "--realtime", "--csv", "rows.csv")
     deadline = time.monotonic() + 30.0
     rows = cli.folder / "rows.csv"
-    while time.monotonic() < deadline and not (rows.exists() and rows.stat().st_size > 2000):
+    while not (rows.exists() and rows.stat().st_size > 2000):
+        assert run.poll() is None, run.communicate()
+        assert time.monotonic() < deadline
         time.sleep(0.02)
     run.send_signal(number)
     out, complaint = run.communicate(timeout=30)
