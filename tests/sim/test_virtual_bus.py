@@ -1,4 +1,9 @@
-"""The virtual bus as the maker's own, unmodified SDK sees it: through a serial port."""
+"""The virtual bus as the maker's own SDK sees it: through a serial port.
+
+Most tests have the bus in the same process, to look into it. There the SDK, which polls, would take
+the bus its turns, so its reads wait for a millisecond. ``test_virtual_bus_sdk.py`` has the SDK as
+it is, in a process of its own.
+"""
 
 import os
 import signal
@@ -41,8 +46,17 @@ def until(condition, patience: float = 3.0) -> bool:
 
 
 @pytest.fixture(autouse=True)
-def _quick_turns():
-    """Let threads take turns quickly: the SDK polls, and would leave the bus waiting for 5 ms."""
+def _fair_turns(monkeypatch):
+    """Let the SDK sleep while it waits, and be patient with a busy computer."""
+    setup = sdk.PortHandler.setupPort
+
+    def set_up_with_a_pause(self, baud_code):
+        done = setup(self, baud_code)
+        self.ser.timeout = 1e-3
+        return done
+
+    monkeypatch.setattr(sdk.PortHandler, "setupPort", set_up_with_a_pause)
+    monkeypatch.setattr(sdk.port_handler, "LATENCY_TIMER", 150)
     before = sys.getswitchinterval()
     sys.setswitchinterval(1e-4)
     yield

@@ -57,6 +57,10 @@ class Rig:
         """Something may move from here on."""
         self._quiet_steps = 0
 
+    def skip_to(self, t: float) -> None:
+        """Let time go by without steps until ``t``, s; never back."""
+        self._offset += max(t - self.now, 0.0)
+
     def advance_to(self, t: float) -> None:
         """Let the time be ``t``, s, to the millisecond before it."""
         self._held = self._held and not any(servo.torque_on for servo in self._servos)
@@ -101,7 +105,7 @@ class Rig:
 
     def _pass_to(self, t: float) -> None:
         """Let time go by without steps, unless a servo trips or was switched meanwhile."""
-        self._offset += max(t - self.now, 0.0)
+        self.skip_to(t)
         tripped = [servo.tripped for servo in self._servos]
         for servo in self._servos:
             servo.watch(self.now)

@@ -33,6 +33,11 @@ BITS_PER_BYTE = 10
 PACKET_GAP = 1.5e-3
 """A pause of that length within a packet ends it, s."""
 
+MAX_BACKLOG = 0.05
+"""How much of the wall clock's time is made up for at once, s. A computer that cannot step the arm
+as fast as time goes by would fall behind further and further, and answer nobody meanwhile: there
+the arm lives more slowly."""
+
 _PR_SET_TIMERSLACK = 29
 _TIMER_SLACK_NS = 1000
 _FRAME_BYTES = 9  # header, id, length, CRC
@@ -162,7 +167,13 @@ class VirtualBus:
     def advance(self) -> None:
         """Bring the servos up to the present; they do so by themselves while they are served."""
         with self.lock:
-            self._rig.advance_to(self._now())
+            self._catch_up()
+
+    def _catch_up(self) -> None:
+        now = self._now()
+        if self._clock is time.monotonic:
+            self._rig.skip_to(now - MAX_BACKLOG)
+        self._rig.advance_to(now)
 
     def _now(self) -> float:
         return self._clock() - self._begun
@@ -196,7 +207,7 @@ class VirtualBus:
         # the request has been on the wire since it arrived, or since the wire was free
         due = max(arrived, self._wire_free) + length * byte_time
         with self.lock:
-            self._rig.advance_to(self._now())
+            self._catch_up()
             replies = self._line.answer(packet, baud)
             if packet.instruction not in _HARMLESS:
                 self._rig.wake()
