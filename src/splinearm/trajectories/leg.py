@@ -1,0 +1,229 @@
+"""Legs of a plan: smooth ways of joints and tool that begin and end at rest."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+
+from splinearm.arrays import FloatArray
+from splinearm.errors import CurveError
+from splinearm.kinematics import chain
+from splinearm.kinematics.arm import Arm
+
+from . import timing
+from .bspline import BSpline
+from .constraint import SpeedCap
+from .corner import rounded_polyline
+from .joint_path import JointPath
+from .nearest import SpaceCurve
+from .path import CartesianPath, check_blends, is_straight, line_path, spline_path, steps_between
+from .place import Place, tool_places
+from .reach import PathLabels
+from .resolve import Tolerance, resolve
+from .tool_path import CarriedPath
+from .trajectory import Section
+
+_LOOKS = 65
+_HALVINGS = 40
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg:
+    """A smooth way that begins and ends at rest."""
+
+    joints: JointPath
+    """The way of the joints."""
+    tool: SpaceCurve
+    """The wanted way of the tool, by the same parameter."""
+    s: FloatArray
+    """The parameter of each place, shape (m,)."""
+    places: Sequence[Place]
+    """The places, the leg's start first."""
+
+    @property
+    def q_goal(self) -> FloatArray:
+        """Where the joints end, shape (n,)."""
+        end: FloatArray = self.joints.at(float(self.s[-1]))[0]
+        return end
+
+    def sections(self, arm: Arm) -> list[tuple[Section, list[tuple[int, float]]]]:
+        """Give the parts from rest to rest, and when in each a waypoint is passed, s."""
+        inner = range(1, len(self.places) - 1)
+        rests = [0, *(i for i in inner if self.places[i].stops), len(self.places) - 1]
+        parts = []
+        for begin, end in pairwise(rests):
+            span = (float(self.s[begin]), float(self.s[end]))
+            law = timing.quickest(self.joints, arm.limits, span, self._cap(arm))
+            passed = [
+                (number, law.time_at(float(self.s[i])))
+                for i in range(begin + 1, end + 1)
+                for number in self.places[i].waypoints
+            ]
+            parts.append((Section(self.joints, law, self.places[end].dwell), passed))
+        return parts
+
+    def _cap(self, arm: Arm) -> SpeedCap | None:
+        speeds = np.array([place.speed for place in self.places[1:]])
+        if np.isinf(speeds).all():
+            return None
+        return SpeedCap(edges=self.s, speeds=speeds, rate=partial(_tool_rate, arm, self.joints))
+
+
+def spline_leg(
+    arm: Arm,
+    places: Sequence[Place],
+    q_start: FloatArray,
+    tolerance: Tolerance,
+    closing: Place | None = None,
+) -> Leg:
+    """Give the leg of a B-spline through places, the start first.
+
+    Args:
+        arm: The arm.
+        places: At least two places.
+        q_start: Where the joints are at the first, shape (n,).
+        tolerance: How far the tool may be off.
+        closing: What is asked for at the end of a closed curve, which is the first place again;
+            None: the curve is open.
+
+    Raises:
+        KinematicsError: If the arm cannot follow.
+    """
+    path = spline_path(tool_places(places), closed=closing is not None)
+    marks = [*places, closing] if closing is not None else list(places)
+    return _tool_leg(arm, path, marks, q_start, tolerance)
+
+
+def line_legs(
+    arm: Arm, places: Sequence[Place], q_start: FloatArray, tolerance: Tolerance
+) -> list[Leg]:
+    """Give the legs of straight tool moves: a new one where the tool must stop at a corner.
+
+    Raises:
+        CurveError: If blends overlap.
+        KinematicsError: If the arm cannot follow.
+    """
+    legs: list[Leg] = []
+    check_blends(
+        steps_between(tool_places(places)),
+        np.array([place.blend for place in places]),
+        [p.name for p in places],
+    )
+    corners = [
+        i
+        for i in range(1, len(places) - 1)
+        if places[i].blend <= 0.0 and not is_straight(tool_places(places[i - 1 : i + 2]))
+    ]
+    bounds = [0, *corners, len(places) - 1]
+    for begin, end in pairwise(bounds):
+        some = places[begin : end + 1]
+        blends = np.array([place.blend for place in some])
+        path = line_path(tool_places(some), blends, [place.name for place in some])
+        q = legs[-1].q_goal if legs else q_start
+        legs.append(_tool_leg(arm, path, some, q, tolerance))
+    return legs
+
+
+def joint_legs(arm: Arm, places: Sequence[Place]) -> list[Leg]:
+    """Give the legs of straight joint moves: a new one at each place without a blend.
+
+    Raises:
+        CurveError: If blends overlap.
+    """
+    legs = []
+    stops = [i for i in range(1, len(places) - 1) if places[i].blend <= 0.0]
+    bounds = [0, *stops, len(places) - 1]
+    for begin, end in pairwise(bounds):
+        some = places[begin : end + 1]
+        corners = np.array([place.q for place in some], dtype=np.float64)
+        u = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))))
+        joints = JointPath(_joint_curve(arm, some, corners, u))
+        legs.append(Leg(joints, CarriedPath(arm, joints), u, some))
+    return legs
+
+
+def straight_path(q_start: FloatArray, q_goal: FloatArray) -> JointPath:
+    """Give the straight way from joint positions to different ones, by a parameter 0 to 1."""
+    return JointPath(BSpline(np.array([0.0, 0.0, 1.0, 1.0]), np.array([q_start, q_goal]), 1))
+
+
+def _tool_leg(
+    arm: Arm,
+    path: CartesianPath,
+    places: Sequence[Place],
+    q_start: FloatArray,
+    tolerance: Tolerance,
+) -> Leg:
+    labels = PathLabels([place.name for place in places])
+    joints = resolve(arm, path, q_start, tolerance, labels)
+    return Leg(joints, path, path.waypoint_s, places)
+
+
+def _joint_curve(arm: Arm, places: Sequence[Place], corners: FloatArray, u: FloatArray) -> BSpline:
+    """Give straight ways with rounded corners in joint space."""
+    if len(places) == 2:
+        return BSpline(np.array([u[0], u[0], u[1], u[1]]), corners, 1)
+    widths = np.zeros(len(places))
+    for i in range(1, len(places) - 1):
+        widths[i] = min(_room(arm, corners, u, i, step, places[i].blend) for step in (-1, 1))
+    over = widths[:-1] + widths[1:] > np.diff(u) * (1.0 + 1e-12)
+    if over.any():
+        i = int(np.argmax(over))
+        raise CurveError(
+            "their blends overlap on the way between them; make them smaller",
+            f"{places[i].name} and {places[i + 1].name}",
+        )
+    for _ in range(_HALVINGS):
+        curve = rounded_polyline(corners, u, widths)
+        too_far = [
+            i
+            for i in range(1, len(places) - 1)
+            if _farthest(arm, curve, corners[i], u[i], widths[i]) > places[i].blend
+        ]
+        if not too_far:
+            return curve
+        widths[too_far] *= 0.9
+    raise CurveError("no rounding stays within its blend", "joint moves")
+
+
+def _room(arm: Arm, corners: FloatArray, u: FloatArray, i: int, step: int, blend: float) -> float:
+    """Give how far from corner i, in u, the tool is nearer to it than the blend all the way."""
+    way = abs(float(u[i + step] - u[i]))
+    T = arm.fk(corners[i])
+
+    def away(shares: FloatArray) -> FloatArray:
+        q = corners[i] + shares[:, None] * (corners[i + step] - corners[i])
+        gap: FloatArray = np.linalg.norm(arm.fk(q)[:, :3, 3] - T[:3, 3], axis=1)
+        return gap
+
+    shares = np.linspace(0.0, 1.0, _LOOKS)
+    beyond = away(shares) > blend
+    if not beyond.any():
+        return way
+    first = int(np.argmax(beyond))
+    low, high = shares[first - 1], shares[first]
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if away(np.array([middle]))[0] > blend:
+            high = middle
+        else:
+            low = middle
+    return float(low) * way
+
+
+def _farthest(arm: Arm, curve: BSpline, corner: FloatArray, u: float, width: float) -> float:
+    """Give how far the tool gets from a corner while it is rounded, m."""
+    q = curve.at(np.linspace(u - width, u + width, _LOOKS))
+    gap = np.linalg.norm(arm.fk(q)[:, :3, 3] - arm.fk(corner)[:3, 3], axis=1)
+    # the ends of the rounding lie at the blend itself, but for rounding
+    return float(gap.max()) * (1.0 - 1e-9)
+
+
+def _tool_rate(arm: Arm, joints: JointPath, s: FloatArray) -> FloatArray:
+    """Give the tool's speed by s, shape (m,)."""
+    q, slope, _ = joints.sample(s)
+    J = chain.jacobian_batch(arm.packed, q)[:, :3]
+    rate: FloatArray = np.linalg.norm(np.einsum("mij,mj->mi", J, slope), axis=1)
+    return rate

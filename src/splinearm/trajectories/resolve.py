@@ -1,0 +1,213 @@
+"""From a way of the tool to a way of the joints that carries it there."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from splinearm.arrays import FloatArray
+from splinearm.kinematics.arm import Arm
+
+from . import task
+from .basis import IndexArray
+from .hermite import Jet, quintic_pieces, quintic_spline
+from .joint_path import JointPath
+from .path import TURN_ARM, CartesianPath
+from .reach import PathLabels, refuse_jump, refuse_limit, refuse_unreachable
+
+_NODE_SHARE = 0.05
+"""Share of the tolerance that the nodes themselves may be off."""
+
+_BETWEEN_SHARE = 0.5
+"""Share of the tolerance that the way between nodes may be off where it is looked at."""
+
+_LOOKS = np.array([0.06, 0.18, 0.32, 0.5, 0.68, 0.82, 0.94])
+"""Where between two nodes the tool is looked at."""
+
+_CAREFUL = 1e-4
+"""How far, in rad, a prediction along the path may be off before steps get shorter."""
+
+_JUMP = 0.05
+"""How far, in rad, a correction may carry a joint and still be on the same branch."""
+
+_SHORTEST = 1e-7
+"""Shortest step along a path, as a share of its length."""
+
+_MOST_NODES = 20_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tolerance:
+    """How far the tool may be off the wanted way."""
+
+    position: float
+    """Distance, m."""
+
+    @property
+    def orientation(self) -> float:
+        """Angle, rad: what moves a point 0.1 m from the tool by the same distance."""
+        return self.position / TURN_ARM
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Nodes:
+    """Joint positions on the path."""
+
+    s: FloatArray
+    q: FloatArray
+
+
+def resolve(
+    arm: Arm, path: CartesianPath, q_start: FloatArray, tolerance: Tolerance, labels: PathLabels
+) -> JointPath:
+    """Give the way of the joints, C2 and quintic, that carries the tool along a path.
+
+    It begins at ``q_start`` and stays on its branch: joints never jump. Where the arm has joints to
+    spare, each moves as little as it can. Between its nodes the tool is looked at, and nodes are
+    added until it is within half the tolerance everywhere there.
+
+    Args:
+        arm: The arm.
+        path: Where the tool shall go.
+        q_start: Joint positions that bring the tool to the path's start, shape (n,).
+        tolerance: How far the tool may be off.
+        labels: What messages call the places of the path.
+
+    Raises:
+        UnreachableError: If the arm cannot follow, or only beyond a joint limit, or only by
+            jumping to another branch.
+    """
+    nodes = _track(arm, path, q_start, tolerance, labels)
+    s, jet = _refine(arm, path, nodes, tolerance, labels)
+    joints = JointPath(quintic_spline(s, jet))
+    _check_limits(arm, path, joints, labels)
+    return joints
+
+
+def _track(
+    arm: Arm, path: CartesianPath, q_start: FloatArray, tolerance: Tolerance, labels: PathLabels
+) -> _Nodes:
+    """Walk along the path in steps as long as predictions stay good."""
+    breaks = path.breaks
+    length = breaks[-1] - breaks[0]
+    here = path.state(breaks[:1])
+    first = task.correct(arm, q_start[None], here)
+    s_nodes, q_nodes = [float(breaks[0])], [first.q[0]]
+    if not _is_reached(first, tolerance) or np.abs(first.q[0] - q_start).max() > _JUMP:
+        raise refuse_unreachable(arm, path, s_nodes[0], q_start, labels)
+    for end in breaks[1:]:
+        step = 0.25 * (end - s_nodes[-1])
+        while s_nodes[-1] < end:
+            s, q = s_nodes[-1], q_nodes[-1]
+            left = end - s
+            # the last step of a piece goes to its end, the one before leaves no crumb
+            to = end if step >= 0.999 * left else s + min(step, 0.5 * left)
+            predicted = _predict(arm, path, s, to, q)
+            reached = task.correct(arm, predicted, path.state(np.array([to])))
+            off = float(np.abs(reached.q - predicted).max())
+            if not np.isfinite(off) or off > _JUMP or not _is_reached(reached, tolerance):
+                step = 0.3 * (to - s)
+                if step < _SHORTEST * length:
+                    _check_nodes(arm, path, np.array(s_nodes), np.array(q_nodes), labels)
+                    raise refuse_unreachable(arm, path, to, q, labels)
+                continue
+            if off > _CAREFUL and (to - s) > 1e-3 * length:
+                step = (to - s) * max(0.3, 0.8 * (_CAREFUL / off) ** 0.2)
+                continue
+            s_nodes.append(float(to))
+            q_nodes.append(reached.q[0])
+            step = (to - s) * min(2.0, 0.8 * (_CAREFUL / max(off, 1e-12)) ** 0.2)
+    return _Nodes(np.array(s_nodes), np.array(q_nodes))
+
+
+def _predict(arm: Arm, path: CartesianPath, s: float, to: float, q: FloatArray) -> FloatArray:
+    """Give where the joints are at the next place if they follow the tool's velocity, (1, n)."""
+    # Runge-Kutta of fourth order on q' = pinv(J(q)) v(s)
+    h = to - s
+    states = path.state(np.array([s, s + 0.5 * h, to]))
+    start, middle, end = (states._replace(slope=states.slope[i : i + 1]) for i in range(3))
+    k1 = task.slopes(arm, q[None], start)
+    k2 = task.slopes(arm, q + 0.5 * h * k1, middle)
+    k3 = task.slopes(arm, q + 0.5 * h * k2, middle)
+    k4 = task.slopes(arm, q + h * k3, end)
+    predicted: FloatArray = q + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    return predicted
+
+
+def _is_reached(found: task.Corrected, tolerance: Tolerance) -> bool:
+    return bool(
+        found.position_error.max() <= _NODE_SHARE * tolerance.position
+        and found.orientation_error.max() <= _NODE_SHARE * tolerance.orientation
+    )
+
+
+def _refine(
+    arm: Arm, path: CartesianPath, nodes: _Nodes, tolerance: Tolerance, labels: PathLabels
+) -> tuple[FloatArray, Jet]:
+    """Add nodes until the tool is near enough to the path between them."""
+    s, q = nodes.s, nodes.q
+    slope, bend = task.slopes_and_bends(arm, q, path.state(s))
+    open_pieces = np.ones(len(s) - 1, dtype=bool)
+    while True:
+        k = np.flatnonzero(open_pieces)
+        off = _worst_between(arm, path, s, (q, slope, bend), k)
+        bad = k[
+            (off[0] > _BETWEEN_SHARE * tolerance.position)
+            | (off[1] > _BETWEEN_SHARE * tolerance.orientation)
+        ]
+        if bad.size == 0:
+            return s, (q, slope, bend)
+        shortest = float((s[bad + 1] - s[bad]).min())
+        if len(s) + bad.size > _MOST_NODES or shortest < _SHORTEST * (s[-1] - s[0]):
+            steepest = int(np.argmax(np.abs(slope).max(axis=1)))
+            raise refuse_jump(arm, path, float(s[steepest]), q[steepest], labels)
+        middle = 0.5 * (s[bad] + s[bad + 1])
+        guess = _between(s, (q, slope, bend), bad, np.array([0.5]))[:, 0]
+        wanted = path.state(middle)
+        new_q = task.correct(arm, guess, wanted).q
+        new_slope, new_bend = task.slopes_and_bends(arm, new_q, wanted)
+        s, q = np.insert(s, bad + 1, middle), np.insert(q, bad + 1, new_q, axis=0)
+        slope = np.insert(slope, bad + 1, new_slope, axis=0)
+        bend = np.insert(bend, bad + 1, new_bend, axis=0)
+        halves = np.zeros(len(s) - 1, dtype=bool)
+        behind = bad + np.arange(bad.size)
+        halves[behind] = halves[behind + 1] = True
+        open_pieces = halves
+
+
+def _between(s: FloatArray, jet: Jet, k: IndexArray, shares: FloatArray) -> FloatArray:
+    """Give joint positions at shares of the pieces k, shape (len(k), len(shares), n)."""
+    h = s[k + 1] - s[k]
+    starts: Jet = (jet[0][k], jet[1][k], jet[2][k])
+    ends: Jet = (jet[0][k + 1], jet[1][k + 1], jet[2][k + 1])
+    pieces = quintic_pieces(h, starts, ends)
+    powers = (h[:, None] * shares)[:, :, None] ** np.arange(6)
+    between: FloatArray = np.einsum("ksj,kjn->ksn", powers, pieces)
+    return between
+
+
+def _worst_between(
+    arm: Arm, path: CartesianPath, s: FloatArray, jet: Jet, k: IndexArray
+) -> tuple[FloatArray, FloatArray]:
+    """Give the largest misses of position and orientation on the pieces k, each (len(k),)."""
+    q = _between(s, jet, k, _LOOKS)
+    at = s[k, None] + (s[k + 1] - s[k])[:, None] * _LOOKS
+    miss = task.misses(arm, q.reshape(-1, arm.n), path.state(at.ravel()))
+    position, orientation = task.errors(miss)
+    shape = (len(k), len(_LOOKS))
+    return position.reshape(shape).max(axis=1), orientation.reshape(shape).max(axis=1)
+
+
+def _check_limits(arm: Arm, path: CartesianPath, joints: JointPath, labels: PathLabels) -> None:
+    breaks = joints.breaks
+    s = (breaks[:-1, None] + np.diff(breaks)[:, None] * np.linspace(0.0, 1.0, 9)).ravel()
+    _check_nodes(arm, path, s, joints.sample(s)[0], labels)
+
+
+def _check_nodes(
+    arm: Arm, path: CartesianPath, s: FloatArray, q: FloatArray, labels: PathLabels
+) -> None:
+    """Refuse joint positions beyond the limits."""
+    limits = arm.limits
+    excess = np.maximum(limits.q_min - q, q - limits.q_max)
+    if (excess > 1e-9).any():
+        raise refuse_limit(arm, path, s, q, labels)

@@ -1,0 +1,97 @@
+"""How a path is run through in time: nodes between which the path acceleration is constant."""
+
+from bisect import bisect_right
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from splinearm.arrays import FloatArray
+
+from .basis import IndexArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TimeLaw:
+    """s(t), with x = (ds/dt)^2 linear in s between nodes."""
+
+    s: FloatArray
+    """Nodes, rising, shape (m,); one node is a rest that takes no time."""
+    x: FloatArray
+    """Square of ds/dt at the nodes, shape (m,); zero at no two neighbours."""
+    t: FloatArray = field(init=False)
+    """When the nodes are passed, s, shape (m,), from 0."""
+    speed: FloatArray = field(init=False)
+    """ds/dt at the nodes, shape (m,)."""
+    acceleration: FloatArray = field(init=False)
+    """d2s/dt2 between nodes, shape (m - 1,)."""
+    _cells: list[tuple[float, float, float, float, float]] = field(init=False, repr=False)
+    _starts: list[float] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        speed = np.sqrt(self.x)
+        h = np.diff(self.s)
+        t = np.concatenate(([0.0], np.cumsum(2.0 * h / (speed[:-1] + speed[1:]))))
+        acceleration = np.diff(self.x) / (2.0 * h)
+        cells = zip(
+            t.tolist(),
+            self.s.tolist(),
+            speed.tolist(),
+            acceleration.tolist(),
+            self.s[1:].tolist(),
+            strict=False,
+        )
+        object.__setattr__(self, "t", t)
+        object.__setattr__(self, "speed", speed)
+        object.__setattr__(self, "acceleration", acceleration)
+        object.__setattr__(self, "_cells", list(cells))
+        object.__setattr__(self, "_starts", t[1:-1].tolist())
+
+    @property
+    def duration(self) -> float:
+        """How long it takes, s."""
+        return float(self.t[-1])
+
+    def at(self, t: float) -> tuple[float, float, float]:
+        """Give s, ds/dt and d2s/dt2 at a time from 0 to the duration."""
+        if not self._cells:
+            return float(self.s[0]), 0.0, 0.0
+        begun, s, speed, acceleration, end = self._cells[bisect_right(self._starts, t)]
+        dt = t - begun
+        now = speed + acceleration * dt
+        return min(s + dt * 0.5 * (speed + now), end), max(now, 0.0), acceleration
+
+    def sample(self, ts: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Give the same at many times, each of shape (k,)."""
+        if not self._cells:
+            nothing = np.zeros(len(ts))
+            return nothing + self.s[0], nothing, nothing.copy()
+        cell = np.searchsorted(self.t[1:-1], ts, side="right")
+        dt = ts - self.t[cell]
+        acceleration = self.acceleration[cell]
+        now = self.speed[cell] + acceleration * dt
+        s = np.minimum(self.s[cell] + dt * 0.5 * (self.speed[cell] + now), self.s[cell + 1])
+        return s, np.maximum(now, 0.0), acceleration
+
+    def time_at(self, s: float) -> float:
+        """Give when s is passed, s."""
+        if not self._cells:
+            return 0.0
+        cell = int(np.searchsorted(self.s[1:-1], s, side="right"))
+        begun, first, speed, acceleration, _ = self._cells[cell]
+        way = s - first
+        if way <= 0.0:
+            return begun
+        now = np.sqrt(max(speed * speed + 2.0 * acceleration * way, 0.0))
+        return float(begun + 2.0 * way / (speed + now))
+
+    def slower(self, share: float) -> "TimeLaw":
+        """Give the same way at ``share`` of the speed everywhere."""
+        return TimeLaw(self.s, self.x * share**2)
+
+
+def split_cells(nodes: FloatArray, counts: IndexArray) -> FloatArray:
+    """Give nodes with each cell between the old ones split evenly into so many."""
+    cell = np.repeat(np.arange(len(counts)), counts)
+    within = np.arange(len(cell)) - np.repeat(np.cumsum(counts) - counts, counts)
+    share = within / counts[cell]
+    return np.append(nodes[cell] + share * np.diff(nodes)[cell], nodes[-1])

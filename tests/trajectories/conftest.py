@@ -1,0 +1,90 @@
+"""Arms, limits and curves that the tests of this room share."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from splinearm.joints import JointKind, JointLimits
+from splinearm.kinematics.arm import Arm
+from splinearm.kinematics.dh import DHConvention, DHLink
+from splinearm.trajectories.trajectory import JointTrajectory
+
+
+def _limits(qd_max, qdd_max, q_max=None, names=None) -> JointLimits:
+    n = len(qd_max)
+    q_max = np.full(n, np.inf) if q_max is None else np.asarray(q_max)
+    return JointLimits(
+        names=tuple(f"joint{i}" for i in range(n)) if names is None else names,
+        kinds=(JointKind.REVOLUTE,) * n,
+        q_min=-q_max,
+        q_max=q_max,
+        qd_max=qd_max,
+        qdd_max=qdd_max,
+    )
+
+
+@pytest.fixture(scope="session")
+def make_limits() -> Callable[..., JointLimits]:
+    return _limits
+
+
+@pytest.fixture(scope="session")
+def arm_2r() -> Arm:
+    links = [DHLink("shoulder", 0.3, 0.0, 0.0, 0.0), DHLink("elbow", 0.25, 0.0, 0.06, 0.0)]
+    limits = _limits([2.0, 3.0], [8.0, 12.0], [2.7, 2.6], ("shoulder", "elbow"))
+    return Arm.from_dh("2R", links, DHConvention.STANDARD, limits)
+
+
+@pytest.fixture(scope="session")
+def arm_6() -> Arm:
+    # Trossen WidowX-250 6DOF, modified DH: alpha, a, d, theta
+    rows = [
+        (0.0, 0.0, 0.11065, 0.0),
+        (-np.pi / 2, 0.0, 0.0, -1.37436249005686),
+        (0.0, 0.254902064526751, 0.0, -0.196433836738036),
+        (-np.pi / 2, 0.0, 0.25, 0.0),
+        (np.pi / 2, 0.0, 0.0, 0.0),
+        (-np.pi / 2, 0.0, 0.158575, 0.0),
+    ]
+    names = ("waist", "shoulder", "elbow", "forearm_roll", "wrist_angle", "wrist_rotate")
+    links = [
+        DHLink(name, a=a, alpha=alpha, d=d, theta=theta)
+        for name, (alpha, a, d, theta) in zip(names, rows, strict=True)
+    ]
+    limits = JointLimits(
+        names=names,
+        kinds=(JointKind.REVOLUTE,) * 6,
+        q_min=[-3.14, -1.885, -2.147, -3.14, -1.745, -3.14],
+        q_max=[3.14, 1.99, 1.606, 3.14, 2.147, 3.14],
+        qd_max=[3.14] * 6,
+        qdd_max=[10.0] * 6,
+    )
+    return Arm.from_dh("WX250s", links, DHConvention.MODIFIED, limits)
+
+
+@pytest.fixture(scope="session")
+def q_6() -> np.ndarray:
+    return np.array([0.2, -0.3, 0.4, 0.3, 0.6, 0.1])
+
+
+@pytest.fixture(scope="session")
+def heart() -> np.ndarray:
+    """Twelve points of a closed figure in the plane of the 2R arm."""
+    a = np.linspace(0.0, 2.0 * np.pi, 13)[:-1]
+    x = 16.0 * np.sin(a) ** 3
+    y = 13.0 * np.cos(a) - 5.0 * np.cos(2 * a) - 2.0 * np.cos(3 * a) - np.cos(4 * a)
+    return np.stack((x, y, 0.0 * a), axis=1) * 0.005 + [0.33, 0.05, 0.06]
+
+
+@pytest.fixture(scope="session")
+def worst_use() -> Callable[[JointTrajectory, int], float]:
+    """Gives the largest share of a velocity or acceleration limit at many moments."""
+
+    def use(trajectory: JointTrajectory, count: int) -> float:
+        _, qd, qdd = trajectory.sample(np.linspace(0.0, trajectory.duration, count))
+        limits = trajectory.limits
+        velocity = np.abs(qd) / limits.qd_max
+        return float(max(velocity.max(), (np.abs(qdd) / limits.qdd_max).max()))
+
+    return use
