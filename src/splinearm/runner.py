@@ -13,7 +13,7 @@ from splinearm.control.guard import Guard, Tolerances
 from splinearm.control.record import Cycle, Recorder
 from splinearm.control.report import LoopReport, TrackingReport, report_loop, report_tracking
 from splinearm.control.stop import StopRequest
-from splinearm.errors import UnreachableError
+from splinearm.errors import ConfigError, UnreachableError
 from splinearm.trajectories.plan import Plan, plan, plan_joint_move
 from splinearm.units import DEG
 
@@ -57,6 +57,7 @@ def plan_job(job: Job, cell: Cell) -> PlannedJob:
 
     Raises:
         UnreachableError: If a waypoint cannot be reached; its message begins with the file.
+        ConfigError: If waypoints, arm and limits do not go together.
         TrajectoryError: If the motion cannot be made.
     """
     try:
@@ -76,6 +77,9 @@ def plan_job(job: Job, cell: Cell) -> PlannedJob:
             error.reason,
             what=f"{job.file}: {error.what}",
         ) from error
+    except ValueError as error:
+        # what the files say is right by itself, but does not go together
+        raise ConfigError(job.file, "", str(error)) from error
     return PlannedJob(job, cell, motion)
 
 

@@ -40,6 +40,8 @@ def refused(cli, *words, says):
         ("[20.0, 40.0]", "[20.0, 240.0]", ["start_deg", "joint2", "240 deg", "148.96 deg"]),
         ('schema = "splinearm-job/1"', 'schema = "splinearm-job/9"', ["schema", "splinearm-job/1"]),
         ("[motion]", "[motion", ["job.toml", "line"]),
+        ("[motion]", "[motion]\nrate_hz = 0", ["job.toml: motion.rate_hz", "0"]),
+        (FIRST, FIRST + "\nquat_wxyz = [1.0, 0.0, 0.0, 0.0]", ["job.toml", "waypoint 2", "orient"]),
     ],
 )
 def test_a_job_file_that_cannot_be_used(cli, old, new, says):

@@ -147,7 +147,7 @@ def test_another_arm_may_not(load, job_text):
             "at most 100, got 101",
         ),
         (("[motion]", "[motion]\nlimits_percent = 0"), "motion.limits_percent", "above 0"),
-        (("[motion]", "[motion]\nrate_hz = -1"), "motion.rate_hz", "above 0, got -1"),
+        (("[motion]", "[motion]\nrate_hz = -1"), "motion.rate_hz", "of 1 or more, got -1"),
         (("[motion]", "[motion]\nclosed = 1"), "motion.closed", "wants true or false, got 1"),
         (("[motion]", "[motion]\nrate = 100"), "motion.rate", "this wants hertz: rate_hz"),
         (("[motion]", "[motin]"), "motin", "did you mean 'motion'"),

@@ -107,7 +107,7 @@ def load_job(path: str | PathLike[str], *, arm: str | PathLike[str] | None = Non
         waypoints=tuple(_read_waypoint(table, cell, usual) for table in waypoint_tables),
         closed=motion.flag("closed"),
         limits_share=motion.number("limits_percent", 1.0, above=0.0, high=1.0),
-        rate=motion.number("rate_hz", 100.0, above=0.0),
+        rate=motion.number("rate_hz", 100.0, low=1.0, high=2000.0),
         position_tolerance=motion.number("position_tolerance_mm", 2e-5, above=0.0),
     )
     motion.finish()
