@@ -135,6 +135,16 @@ def test_files_are_never_overwritten(cli):
     assert (cli.folder / "rows.csv").read_text() == "mine"
 
 
+def test_a_picture_of_no_known_kind(cli):
+    refused(cli, "run", cli.job(), "--plot", "run.bmpx", says=["run.bmpx", ".png"])
+    refused(cli, "plan", cli.job(), "--plot", "plan", says=["plan", ".svg"])
+
+
+def test_rows_and_picture_in_one_file(cli):
+    says = ["run.png", "two files"]
+    refused(cli, "run", cli.job(), "--csv", "run.png", "--plot", "run.png", says=says)
+
+
 def test_a_folder_that_is_not_there(cli):
     refused(cli, "run", cli.job(), "--csv", "no/rows.csv", says=["no/rows.csv", "folder"])
 

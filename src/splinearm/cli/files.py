@@ -5,13 +5,25 @@ from pathlib import Path
 from splinearm.errors import ConfigError
 
 
-def require_new(*files: Path | None) -> None:
-    """Refuse files that are there already, or whose folder is not, before anything moves.
+_PICTURES = (".png", ".svg", ".pdf")
+
+
+def require_new(*, rows: Path | None = None, picture: Path | None = None) -> None:
+    """Refuse what could not be written in the end, before anything moves.
+
+    Args:
+        rows: A file for text.
+        picture: A file for a picture; its ending says of which kind.
 
     Raises:
-        ConfigError: With the file.
+        ConfigError: With the file, if it is there already, its folder is not, both are the same,
+            or its ending names no kind of picture.
     """
-    for file in files:
+    if picture is not None and picture.suffix.lower() not in _PICTURES:
+        raise ConfigError(picture, "", f"a picture's name ends in {', '.join(_PICTURES)}")
+    if rows is not None and rows == picture:
+        raise ConfigError(rows, "", "cannot hold both rows and picture; name two files")
+    for file in (rows, picture):
         if file is None:
             continue
         if file.exists():

@@ -13,7 +13,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "Nothing moves.",
     )
     parser.add_argument("job", help="the job's TOML file")
-    parser.add_argument("--plot", type=Path, default=None, metavar="FILE", help="draw a PNG")
+    parser.add_argument("--plot", type=Path, default=None, metavar="FILE", help="draw it (PNG, SVG, PDF)")
     parser.set_defaults(run=run)
 
 
@@ -26,7 +26,7 @@ def run(args: argparse.Namespace) -> int:
     from .output import console
     from .report import print_plan
 
-    require_new(args.plot)
+    require_new(picture=args.plot)
     job = load_job(args.job)
     planned = plan_job(job, load_cell(job.arm))
     console.print(f"{job.title} on {planned.cell.arm.name}")

@@ -1,4 +1,4 @@
-"""Plans and runs as PNG pictures."""
+"""Plans and runs as pictures."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
