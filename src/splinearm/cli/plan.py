@@ -13,7 +13,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "Nothing moves.",
     )
     parser.add_argument("job", help="the job's TOML file")
-    parser.add_argument("--plot", type=Path, default=None, metavar="FILE", help="draw it (PNG, SVG, PDF)")
+    parser.add_argument(
+        "--plot", type=Path, default=None, metavar="FILE", help="draw it (PNG, SVG, PDF)"
+    )
     parser.set_defaults(run=run)
 
 

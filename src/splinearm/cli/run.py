@@ -27,7 +27,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument("--arm", default=None, help="use this arm file; it must be the job's arm")
     parser.add_argument("--rate", type=float, default=None, metavar="HZ", help="setpoints a second")
     parser.add_argument("--csv", type=Path, default=None, metavar="FILE", help="write every cycle")
-    parser.add_argument("--plot", type=Path, default=None, metavar="FILE", help="draw it (PNG, SVG, PDF)")
+    parser.add_argument(
+        "--plot", type=Path, default=None, metavar="FILE", help="draw it (PNG, SVG, PDF)"
+    )
     parser.add_argument(
         "--realtime", action="store_true", help="let the MuJoCo arm keep pace with the clock"
     )

@@ -11,11 +11,15 @@ _Handler = Callable[[int, FrameType | None], object] | int | None
 
 
 class StopRequest:
-    """While its with-block lasts, SIGINT and SIGTERM set a flag and do nothing else."""
+    """While its with-block lasts, SIGINT and SIGTERM set a flag and do nothing else.
+
+    Its with-blocks may be nested: a loop enters the one it was given.
+    """
 
     def __init__(self) -> None:
         self._asked = threading.Event()
         self._before: dict[signal.Signals, _Handler] = {}
+        self._depth = 0
 
     @property
     def requested(self) -> bool:
@@ -27,8 +31,9 @@ class StopRequest:
         self._asked.set()
 
     def __enter__(self) -> Self:
+        self._depth += 1
         # only the main thread may have signal handlers; elsewhere `request` is the way
-        if threading.current_thread() is threading.main_thread():
+        if self._depth == 1 and threading.current_thread() is threading.main_thread():
             for number in _SIGNALS:
                 self._before[number] = signal.signal(number, self._on_signal)
         return self
@@ -39,6 +44,9 @@ class StopRequest:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        self._depth -= 1
+        if self._depth > 0:
+            return
         for number, handler in self._before.items():
             signal.signal(number, handler)
         self._before.clear()
