@@ -4,7 +4,6 @@ from pathlib import Path
 
 from splinearm.errors import ConfigError
 
-
 _PICTURES = (".png", ".svg", ".pdf")
 
 

@@ -60,6 +60,7 @@ def carry_out(
 ) -> "RunResult":
     """Carry out a job with a progress bar and print what came of it."""
     from splinearm.backends import open_arm
+    from splinearm.errors import MotionError
     from splinearm.runner import run_job
 
     from .output import console, progress
@@ -71,13 +72,18 @@ def carry_out(
         console.print(f"{job.title} on {cell.arm.name}, {station.where}: {duration:.2f} s")
         with progress() as bar:
             task = bar.add_task("moving", total=duration)
-            result = run_job(
-                planned,
-                station,
-                csv=csv,
-                observe=lambda cycle: bar.update(task, completed=min(cycle.t, duration)),
-                announce=console.print,
-            )
+            try:
+                result = run_job(
+                    planned,
+                    station,
+                    csv=csv,
+                    observe=lambda cycle: bar.update(task, completed=min(cycle.t, duration)),
+                    announce=console.print,
+                )
+            except MotionError:
+                if csv is not None:
+                    console.print(f"rows up to the fault: {csv}")
+                raise
     print_report(result, csv)
     return result
 
