@@ -113,6 +113,12 @@ _LINEAR = {
 _REMEDY = {"position": "move the waypoint or start elsewhere"}
 
 
+def _position(value: float, *, linear: bool) -> str:
+    """Give the position of a joint in the unit people use."""
+    unit, per_si = (_LINEAR if linear else _ANGULAR)["position"]
+    return f"{value * per_si:.4g} {unit}"
+
+
 class LimitError(TrajectoryError):
     """A motion would break a limit of a joint."""
 
@@ -241,16 +247,23 @@ class MotionError(SplinearmError):
 class StartError(MotionError):
     """The arm is not where the motion starts."""
 
-    def __init__(self, joint: str, wanted: float, measured: float, tolerance: float) -> None:
-        """Take the facts, all in rad (m for a sliding joint)."""
+    def __init__(
+        self,
+        joint: str,
+        wanted: float,
+        measured: float,
+        tolerance: float,
+        *,
+        linear: bool = False,
+    ) -> None:
+        """Take the facts: positions in rad, of a joint that slides (``linear``) in m."""
         self.joint = joint
         self.wanted = wanted
         self.measured = measured
         self.tolerance = tolerance
-        deg = 180.0 / pi
         super().__init__(
-            f"joint {joint!r} is at {measured * deg:.4g} deg but the motion starts at "
-            f"{wanted * deg:.4g} deg (allowed {tolerance * deg:.3g} deg); "
+            f"joint {joint!r} is at {_position(measured, linear=linear)} but the motion starts at "
+            f"{_position(wanted, linear=linear)} (allowed {_position(tolerance, linear=linear)}); "
             "plan an approach first or let one be planned"
         )
 
@@ -258,19 +271,26 @@ class StartError(MotionError):
 class FollowingError(MotionError):
     """The arm does not keep up with the motion."""
 
-    def __init__(
-        self, joint: str, wanted: float, measured: float, tolerance: float, t: float
+    def __init__(  # noqa: PLR0913 - each is a fact of its own
+        self,
+        joint: str,
+        wanted: float,
+        measured: float,
+        tolerance: float,
+        t: float,
+        *,
+        linear: bool = False,
     ) -> None:
-        """Take the facts: positions in rad (m for a sliding joint), time in s."""
+        """Take the facts: positions in rad, of a joint that slides (``linear``) in m; time in s."""
         self.joint = joint
         self.wanted = wanted
         self.measured = measured
         self.tolerance = tolerance
         self.t = t
-        deg = 180.0 / pi
         super().__init__(
-            f"joint {joint!r} is at {measured * deg:.4g} deg where {wanted * deg:.4g} deg was "
-            f"wanted at t = {t:.3f} s (allowed {tolerance * deg:.3g} deg off); "
+            f"joint {joint!r} is at {_position(measured, linear=linear)} where "
+            f"{_position(wanted, linear=linear)} was wanted at t = {t:.3f} s "
+            f"(allowed {_position(tolerance, linear=linear)} off); "
             "look for a collision or an overload, or move slower"
         )
 

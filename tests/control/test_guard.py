@@ -3,7 +3,7 @@ import pytest
 
 from splinearm.control.guard import Guard, Tolerances
 from splinearm.errors import FollowingError, LimitError, StartError
-from splinearm.joints import JointLimits, JointSetpoint, JointState
+from splinearm.joints import JointKind, JointLimits, JointSetpoint, JointState
 from splinearm.trajectories.plan import plan_joint_move
 
 
@@ -78,6 +78,20 @@ def test_an_arm_that_falls_behind_is_named_with_what_was_wanted(guard):
         guard.follows(setpoint([0.5, 0.5]), state([0.1, 0.5]), 0.3)
     assert (caught.value.joint, caught.value.t) == ("shoulder", 0.3)
     assert caught.value.wanted == 0.5
+
+
+def test_a_sliding_joint_that_falls_behind_is_named_in_millimetres(limits):
+    sliding = JointLimits(
+        names=limits.names,
+        kinds=(JointKind.PRISMATIC, JointKind.REVOLUTE),
+        q_min=limits.q_min,
+        q_max=limits.q_max,
+        qd_max=limits.qd_max,
+        qdd_max=limits.qdd_max,
+    )
+    guard = Guard(sliding, Tolerances(path=0.01, lag=0.0))
+    with pytest.raises(FollowingError, match=r"is at 475 mm where 500 mm was .*\(allowed 10 mm"):
+        guard.follows(setpoint([0.5, 0.5]), state([0.475, 0.5]), 0.3)
 
 
 def test_a_guard_without_a_path_tolerance_watches_no_path(limits):

@@ -94,8 +94,15 @@ class Guard:
         worst = int(np.argmax(away))
         if away[worst] > tolerance:
             raise StartError(
-                self.limits.names[worst], float(start[worst]), float(q[worst]), tolerance
+                self.limits.names[worst],
+                float(start[worst]),
+                float(q[worst]),
+                tolerance,
+                linear=self._slides(worst),
             )
+
+    def _slides(self, joint: int) -> bool:
+        return self.limits.kinds[joint] is JointKind.PRISMATIC
 
     def check(self, setpoint: JointSetpoint, elapsed: float) -> None:
         """Pass one setpoint that is within the limits and continues the last.
@@ -153,6 +160,7 @@ class Guard:
                 float(state.q[worst]),
                 float(tolerance[worst]),
                 t,
+                linear=self._slides(worst),
             )
 
     def _refuse(
@@ -171,5 +179,5 @@ class Guard:
                 float(value[i]),
                 float(limit[i]),
                 t,
-                linear=self.limits.kinds[i] is JointKind.PRISMATIC,
+                linear=self._slides(i),
             )
