@@ -271,7 +271,7 @@ class StartError(MotionError):
 class FollowingError(MotionError):
     """The arm does not keep up with the motion."""
 
-    def __init__(  # noqa: PLR0913 - each is a fact of its own
+    def __init__(
         self,
         joint: str,
         wanted: float,

@@ -91,6 +91,7 @@ class _Run:
         self.fault: MotionError | None = None
         self.stopping = False
         self.lost = 0
+        self.trouble: BusError | None = None
         self.index = 0
         # the motion's time is anchor_t at cycle anchor_index and runs with the cycles from there
         self.anchor_index = 0
@@ -151,27 +152,29 @@ class _Run:
         self.index += missed
         if missed > self.loop.bridge and not self.stopping:
             self._anchor(min(self.last_t + self.loop.period, self.motion.duration))
-            self._stop(
-                StaleFeedbackError(
-                    lateness,
-                    self.loop.bridge * self.loop.period,
-                    "the computer was busy; close other programs or choose a lower rate",
-                )
-            )
+            self._stop(self._stale(lateness))
 
     def _read(self) -> JointState | None:
         try:
             state = self.loop.driver.read()
         except BusError as error:
             self.lost += 1
+            self.trouble = error
             if self.lost > self.loop.bridge:
-                allowed = self.loop.bridge * self.loop.period
-                fault = StaleFeedbackError(self.lost * self.loop.period, allowed, str(error))
-                fault.__cause__ = error
-                self._stop(fault)
+                self._stop(self._stale(self.lost * self.loop.period))
             return None
         self.lost = 0
+        self.trouble = None
         return state
+
+    def _stale(self, age: float) -> StaleFeedbackError:
+        """Give the fault of having heard nothing: of a servo, or of this computer."""
+        cause = "the computer was busy; close other programs or choose a lower rate"
+        if self.trouble is not None:
+            cause = str(self.trouble)
+        fault = StaleFeedbackError(age, self.loop.bridge * self.loop.period, cause)
+        fault.__cause__ = self.trouble
+        return fault
 
     def _judge(self, setpoint: JointSetpoint, state: JointState | None) -> None:
         """Stop if asked, or if the arm does not follow."""

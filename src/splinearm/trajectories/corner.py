@@ -6,6 +6,9 @@ from splinearm.arrays import FloatArray
 
 from .bspline import BSpline
 
+_CRUMB = 1e-9
+"""A straight way below this share of the whole is none: the roundings on both sides touch."""
+
 
 def ramp(x: FloatArray, half_width: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Give a smooth max(0, x) and its first two derivatives, each of the shape of x.
@@ -36,13 +39,14 @@ def rounded_polyline(corners: FloatArray, u: FloatArray, half_widths: FloatArray
             No two may overlap.
     """
     slopes = np.diff(corners, axis=0) / np.diff(u)[:, None]
+    crumb = _CRUMB * (u[-1] - u[0])
     breaks, values, directions, middles = [u[0]], [corners[0]], [slopes[0]], []
     for i in range(1, len(u) - 1):
         width = half_widths[i]
         if width <= 0.0:
             continue
         before, behind = u[i] - width, u[i] + width
-        if before > breaks[-1]:
+        if before - breaks[-1] > crumb:
             breaks.append(before)
             values.append(corners[i] - width * slopes[i - 1])
             directions.append(slopes[i - 1])
@@ -51,11 +55,12 @@ def rounded_polyline(corners: FloatArray, u: FloatArray, half_widths: FloatArray
         values.append(corners[i] + width * slopes[i])
         directions.append(slopes[i])
         middles.append(corners[i])
-    if u[-1] > breaks[-1]:
+    if u[-1] - breaks[-1] > crumb:
         breaks.append(u[-1])
         values.append(corners[-1])
         directions.append(slopes[-1])
         middles.append(0.5 * (values[-1] + values[-2]))
+    breaks[-1] = u[-1]
     return _join(np.array(breaks), np.array(values), np.array(directions), np.array(middles))
 
 

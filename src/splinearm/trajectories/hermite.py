@@ -6,8 +6,11 @@ from splinearm.arrays import FloatArray
 
 from .bspline import BSpline
 
+Jet = tuple[FloatArray, FloatArray, FloatArray]
+"""Value, first and second derivative."""
 
-def quintic_pieces(h: FloatArray, starts: "Jet", ends: "Jet") -> FloatArray:
+
+def quintic_pieces(h: FloatArray, starts: Jet, ends: Jet) -> FloatArray:
     """Give the coefficients of quintics on pieces of lengths h, shape (k, 6, dim).
 
     Args:
@@ -32,7 +35,7 @@ def quintic_pieces(h: FloatArray, starts: "Jet", ends: "Jet") -> FloatArray:
     )
 
 
-def quintic_spline(u: FloatArray, nodes: "Jet") -> BSpline:
+def quintic_spline(u: FloatArray, nodes: Jet) -> BSpline:
     """Give the quintic B-spline, C2, with value, slope and bend at its nodes.
 
     Args:
@@ -54,7 +57,3 @@ def quintic_spline(u: FloatArray, nodes: "Jet") -> BSpline:
     )
     knots = np.concatenate((u[:1], u[:1], u[:1], np.repeat(u, 3), u[-1:], u[-1:], u[-1:]))
     return BSpline(knots, points.reshape(-1, points.shape[2]), 5)
-
-
-Jet = tuple[FloatArray, FloatArray, FloatArray]
-"""Value, first and second derivative."""

@@ -24,6 +24,9 @@ from .turning import OrientationCurve
 TURN_ARM = 0.1
 """How many metres of way a turn of 1 rad counts as."""
 
+_CRUMB = 1e-9
+"""Breaks nearer to each other than this share of a path are one."""
+
 
 class ToolPlaces(NamedTuple):
     """Places that a tool path passes: positions, and orientations unless they are free."""
@@ -70,9 +73,12 @@ class CartesianPath:
         if self.orientation is None:
             return breaks
         turning = self.orientation.breaks
-        start, end = self.domain
-        inner = turning[(turning > start) & (turning < end)]
-        return np.union1d(breaks, inner)
+        together = np.union1d(breaks, turning)
+        # rounding may have moved apart what is one
+        crumb = _CRUMB * (breaks[-1] - breaks[0])
+        inner = together[(together > breaks[0] + crumb) & (together < breaks[-1] - crumb)]
+        inner = inner[np.diff(inner, prepend=breaks[0]) > crumb]
+        return np.concatenate((breaks[:1], inner, breaks[-1:]))
 
     def state(self, s: ArrayInput) -> ToolState:
         """Give the tool's place and its first two derivatives at s, shape (m,).

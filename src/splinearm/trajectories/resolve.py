@@ -32,6 +32,9 @@ _JUMP = 0.05
 _SHORTEST = 1e-7
 """Shortest step along a path, as a share of its length."""
 
+_FINE = 1001
+"""How often a piece that may leave the joint limits is looked at."""
+
 _MOST_NODES = 20_000
 
 
@@ -198,9 +201,15 @@ def _worst_between(
 
 
 def _check_limits(arm: Arm, path: CartesianPath, joints: JointPath, labels: PathLabels) -> None:
-    breaks = joints.breaks
-    s = (breaks[:-1, None] + np.diff(breaks)[:, None] * np.linspace(0.0, 1.0, 9)).ravel()
-    _check_nodes(arm, path, s, joints.sample(s)[0], labels)
+    """Refuse a way that leaves the limits anywhere."""
+    ends, hulls = joints.curve.bezier()
+    limits = arm.limits
+    near = ((hulls < limits.q_min) | (hulls > limits.q_max)).any(axis=(1, 2))
+    # a piece lies within the hull of its Bezier points: only where that leaves the limits
+    starts, lengths = ends[:-1][near, None], np.diff(ends)[near, None]
+    s = (starts + lengths * np.linspace(0.0, 1.0, _FINE)).ravel()
+    if s.size:
+        _check_nodes(arm, path, s, joints.sample(s)[0], labels)
 
 
 def _check_nodes(

@@ -77,7 +77,7 @@ def _grid(path: JointPath, start: float, end: float, cap: SpeedCap | None) -> Fl
     # ends that rounding has moved apart are one
     apart = 1e-12 * (end - start)
     inner = fixed[(fixed > start + apart) & (fixed < end - apart)]
-    inner = inner[np.concatenate(([True], np.diff(inner) > apart))] if inner.size else inner
+    inner = inner[np.diff(inner, prepend=start) > apart]
     fixed = np.concatenate(([start], inner, [end]))
     counts = np.ceil(np.diff(fixed) * (_CELLS / (end - start)) - 1e-9).astype(np.intp)
     nodes = split_cells(fixed, np.maximum(counts, _CELLS_A_PIECE))

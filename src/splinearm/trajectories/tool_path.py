@@ -95,7 +95,7 @@ class ToolPath:
 
     def _known_chords(self) -> list[Chords]:
         if not self._chords:
-            self._chords.extend(chords_of(curve) for curve in self.curves)
+            self._chords[:] = [chords_of(curve) for curve in self.curves]
         return self._chords
 
 

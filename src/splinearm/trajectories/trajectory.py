@@ -56,6 +56,11 @@ class JointTrajectory:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "q_start", frozen_array(self.q_start, (self.limits.n,), "q_start"))
+        for section in self.sections:
+            if section.path.n != self.limits.n:
+                raise ValueError(
+                    f"sections: want ways of {self.limits.n} joints, got one of {section.path.n}"
+                )
         ends = np.cumsum([section.duration for section in self.sections]).tolist()
         object.__setattr__(self, "starts", (0.0, *ends[:-1]) if ends else ())
         object.__setattr__(self, "duration", float(ends[-1]) if ends else 0.0)
