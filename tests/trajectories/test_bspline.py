@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 import scipy.interpolate
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from splinearm.errors import CurveError
@@ -34,6 +34,7 @@ def inside(curve, count=57):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(curves(), st.integers(0, 4))
 def test_values_and_derivatives_are_those_of_scipy(curve, order):
     if order > curve.degree:
@@ -47,6 +48,7 @@ def test_values_and_derivatives_are_those_of_scipy(curve, order):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(curves())
 def test_one_parameter_gives_what_many_give(curve):
     u = inside(curve, 7)
@@ -57,6 +59,7 @@ def test_one_parameter_gives_what_many_give(curve):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(curves())
 def test_basis_functions_are_a_partition_of_unity(curve):
     u = inside(curve)
@@ -69,6 +72,7 @@ def test_basis_functions_are_a_partition_of_unity(curve):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(curves(min_degree=1))
 def test_the_derivative_curve_is_the_derivative(curve):
     u = np.setdiff1d(inside(curve), curve.breaks)
@@ -84,6 +88,7 @@ def test_the_derivative_curve_is_the_derivative(curve):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(curves(min_degree=1), st.lists(st.integers(0, 64), min_size=1, max_size=4))
 def test_knot_insertion_changes_nothing(curve, shares):
     start, end = curve.domain
@@ -95,6 +100,7 @@ def test_knot_insertion_changes_nothing(curve, shares):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(curves())
 def test_bezier_pieces_are_the_curve(curve):
     ends, pieces = curve.bezier()
@@ -108,6 +114,7 @@ def test_bezier_pieces_are_the_curve(curve):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(curves(), st.floats(0.01, 0.99))
 def test_split_pieces_are_the_curve(curve, share):
     start, end = curve.domain
@@ -120,6 +127,7 @@ def test_split_pieces_are_the_curve(curve, share):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(curves(min_degree=1))
 def test_taylor_pieces_are_the_curve(curve):
     ends, coefficients = basis.taylor_pieces(curve.knots, curve.points, curve.degree)
@@ -130,6 +138,7 @@ def test_taylor_pieces_are_the_curve(curve):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(curves(), st.floats(0.0, 5.0, exclude_min=True))
 def test_nothing_is_extrapolated(curve, beyond):
     start, end = curve.domain
@@ -181,6 +190,7 @@ def test_a_knot_cannot_be_there_more_often_than_the_degree():
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(st.integers(1, 5), st.integers(2, 9), st.integers(0, 999))
 def test_a_ring_of_points_makes_a_closed_curve(degree, m, seed):
     rng = np.random.default_rng(seed)
@@ -191,6 +201,7 @@ def test_a_ring_of_points_makes_a_closed_curve(degree, m, seed):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(curves(min_degree=2))
 def test_lengths_add_up(curve):
     start, end = curve.domain

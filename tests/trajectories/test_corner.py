@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from splinearm.trajectories.corner import ramp, rounded_polyline
@@ -19,6 +19,7 @@ def polylines(draw):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(polylines())
 def test_a_rounded_polyline_is_c2_and_straight_between_its_corners(line):
     corners, u, widths = line
@@ -41,6 +42,7 @@ def test_a_rounded_polyline_is_c2_and_straight_between_its_corners(line):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(polylines())
 def test_rounding_stays_nearer_to_the_corner_than_its_width(line):
     corners, u, widths = line
@@ -51,6 +53,7 @@ def test_rounding_stays_nearer_to_the_corner_than_its_width(line):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(st.floats(0.01, 10.0))
 def test_a_ramp_is_its_own_derivatives(width):
     x = np.linspace(-2.0 * width, 2.0 * width, 401)

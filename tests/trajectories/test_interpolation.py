@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 import scipy.interpolate
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from splinearm.errors import CurveError
@@ -16,6 +16,7 @@ def point_sets(draw, least=2, most=14):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(point_sets(), st.sampled_from(["chord", "centripetal", "uniform"]))
 def test_a_natural_cubic_is_the_one_of_scipy(points, kind):
     u = choose_parameters(points, kind)
@@ -26,6 +27,7 @@ def test_a_natural_cubic_is_the_one_of_scipy(points, kind):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(point_sets(least=3, most=120))
 def test_a_closed_cubic_is_the_one_of_scipy(points):
     u = choose_parameters(points, closed=True)
@@ -37,6 +39,7 @@ def test_a_closed_cubic_is_the_one_of_scipy(points):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(point_sets(least=7, most=60), st.integers(1, 6))
 def test_free_curves_of_any_degree_pass_all_points(points, degree):
     curve = interpolate(points, degree=degree, parameters="uniform", ends="free")
@@ -46,6 +49,7 @@ def test_free_curves_of_any_degree_pass_all_points(points, degree):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(point_sets(least=3, most=40))
 def test_given_end_derivatives_are_met(points):
     rng = np.random.default_rng(len(points))
@@ -60,6 +64,7 @@ def test_given_end_derivatives_are_met(points):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(point_sets(least=5, most=20), st.integers(3, 6))
 def test_the_ends_may_have_different_numbers_of_derivatives(points, degree):
     dim = points.shape[1]
@@ -134,6 +139,7 @@ def test_what_does_not_fit_is_refused(points, wrong):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(st.integers(1, 80), st.integers(0, 3), st.booleans(), st.integers(0, 999))
 def test_banded_systems_are_solved_as_dense_ones(n, half, closed, seed):
     rng = np.random.default_rng(seed)

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from splinearm.errors import CurveError
@@ -11,6 +11,7 @@ from splinearm.trajectories.joint_path import JointPath
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(st.integers(2, 9), st.integers(1, 7), st.sampled_from([1, 3]), st.integers(0, 999))
 def test_a_joint_path_is_its_curve(m, n, degree, seed):
     points = np.random.default_rng(seed).normal(size=(m if degree == 3 else 2, n))
@@ -26,6 +27,7 @@ def test_a_joint_path_is_its_curve(m, n, degree, seed):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(st.integers(2, 8), st.integers(0, 999))
 def test_a_quintic_spline_has_the_values_slopes_and_bends_it_was_given(m, seed):
     rng = np.random.default_rng(seed)

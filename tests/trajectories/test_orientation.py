@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from splinearm.errors import CurveError
@@ -34,6 +34,7 @@ def rates_by_differences(curve, u, step):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(chains(), st.booleans())
 def test_the_curve_is_unit_and_passes_all_orientations(chain, closed):
     u, quats = chain
@@ -46,6 +47,7 @@ def test_the_curve_is_unit_and_passes_all_orientations(chain, closed):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(chains(least=3), st.booleans())
 def test_angular_velocity_and_acceleration_are_those_of_differences(chain, closed):
     u, quats = chain
@@ -60,6 +62,7 @@ def test_angular_velocity_and_acceleration_are_those_of_differences(chain, close
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(chains(least=3))
 def test_the_curve_is_c2_across_its_knots(chain):
     u, quats = chain
@@ -71,6 +74,7 @@ def test_the_curve_is_c2_across_its_knots(chain):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(chains(least=2))
 def test_a_closed_curve_comes_back_with_velocity_and_acceleration(chain):
     u, quats = chain
@@ -82,6 +86,7 @@ def test_a_closed_curve_comes_back_with_velocity_and_acceleration(chain):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(chains(least=2), st.integers(0, 999))
 def test_the_curve_turns_with_the_frame_it_is_written_in(chain, seed):
     u, quats = chain
@@ -95,6 +100,7 @@ def test_the_curve_turns_with_the_frame_it_is_written_in(chain, seed):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(chains(least=3))
 def test_open_ends_have_no_angular_acceleration(chain):
     u, quats = chain
@@ -103,6 +109,7 @@ def test_open_ends_have_no_angular_acceleration(chain):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(st.integers(0, 999))
 def test_turns_about_one_axis_are_a_natural_cubic_of_the_angle(seed):
     scipy_interpolate = pytest.importorskip("scipy.interpolate")
@@ -144,6 +151,7 @@ def test_two_orientations_are_an_even_turn():
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(chains(least=3), st.floats(0.1, 1.0))
 def test_a_rounded_chain_of_turns_is_c2(chain, share):
     u, quats = chain
@@ -167,6 +175,7 @@ def test_a_rounded_chain_of_turns_is_c2(chain, share):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(st.integers(0, 9999), st.floats(1e-9, 6.0))
 def test_body_rates_are_those_of_differences_at_any_angle(seed, angle):
     rng = np.random.default_rng(seed)

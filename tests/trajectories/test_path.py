@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from splinearm.errors import CurveError
@@ -24,6 +24,7 @@ def names(count):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(places(), st.booleans())
 def test_a_spline_path_passes_its_places(given_places, closed):
     path = spline_path(given_places, closed=closed)
@@ -39,6 +40,7 @@ def test_a_spline_path_passes_its_places(given_places, closed):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(places(least=3), st.booleans())
 def test_slope_and_bend_are_those_of_differences(given_places, rounded):
     if rounded:
@@ -110,6 +112,7 @@ def test_straight_means_way_and_turn():
 
 
 @pytest.mark.property
+@settings(max_examples=20, deadline=None)
 @given(places(least=3), st.integers(0, 999))
 def test_distances_are_those_of_a_dense_search(given_places, seed):
     path = spline_path(given_places)
@@ -122,6 +125,7 @@ def test_distances_are_those_of_a_dense_search(given_places, seed):
 
 
 @pytest.mark.property
+@settings(max_examples=20, deadline=None)
 @given(places(least=2), st.floats(1e-7, 1e-4))
 def test_points_beside_the_path_are_as_far_as_they_were_put(given_places, away):
     path = spline_path(ToolPlaces(given_places.p, None))

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -79,7 +81,7 @@ def test_the_joints_move_smoothly(arm_6, q_6, turn):
 
 
 @pytest.mark.property
-@settings(max_examples=20)
+@settings(max_examples=20, deadline=None)
 @given(seed=st.integers(0, 999), rows=st.sampled_from([3, 6]))
 def test_slopes_and_bends_are_those_of_the_way_of_the_joints(arm_6, q_6, seed, rows):
     # along any way q(s) of the joints that moves as little as it must, slopes come back
@@ -138,6 +140,25 @@ def test_a_joint_limit_on_the_way_is_named(arm_2r):
     assert caught.value.joint == "shoulder"
     assert caught.value.position_error > 0.05
     assert "place 1" in caught.value.what
+
+
+@pytest.mark.parametrize("room", [-1e-6, 1e-6])
+def test_a_limit_is_held_between_the_nodes_too(arm_2r, room):
+    q = np.array([0.4, 1.2])
+    p = arm_2r.fk(q)[:3, 3]
+    path = line(p, p + np.array([-0.06, -0.08, 0.0]))
+    free = resolve(arm_2r, path, q, TOLERANCE, LABELS)
+    reached = free.sample(np.linspace(*path.domain, 100_001))[0]
+    # one joint turns back on the way: its limit is put just beyond or just below that
+    j = int(np.argmax(reached.max(axis=0) - np.maximum(reached[0], reached[-1])))
+    q_max = arm_2r.limits.q_max.copy()
+    q_max[j] = reached[:, j].max() + room
+    arm = replace(arm_2r, limits=replace(arm_2r.limits, q_max=q_max))
+    if room > 0.0:
+        assert resolve(arm, path, q, TOLERANCE, LABELS).domain == path.domain
+    else:
+        with pytest.raises(UnreachableError, match=arm.joint_names[j]):
+            resolve(arm, path, q, TOLERANCE, LABELS)
 
 
 def test_another_branch_is_never_jumped_to(arm_2r):

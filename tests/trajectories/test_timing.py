@@ -39,7 +39,7 @@ def trajectory_of(path, law, limits):
 
 
 @pytest.mark.property
-@settings(max_examples=60)
+@settings(max_examples=60, deadline=None)
 @given(data=st.data())
 def test_no_limit_is_broken_at_any_moment(data, make_limits, worst_use):
     path, limits = data.draw(paths_and_limits(make_limits))
@@ -49,7 +49,7 @@ def test_no_limit_is_broken_at_any_moment(data, make_limits, worst_use):
 
 
 @pytest.mark.property
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 @given(data=st.data())
 def test_the_path_is_kept_and_ends_at_rest(data, make_limits):
     path, limits = data.draw(paths_and_limits(make_limits))
@@ -66,7 +66,7 @@ def test_the_path_is_kept_and_ends_at_rest(data, make_limits):
 
 
 @pytest.mark.property
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 @given(data=st.data(), share=st.floats(0.05, 1.0))
 def test_limits_of_c_and_c_squared_take_one_cth_longer(data, share, make_limits):
     path, limits = data.draw(paths_and_limits(make_limits))
@@ -75,7 +75,7 @@ def test_limits_of_c_and_c_squared_take_one_cth_longer(data, share, make_limits)
 
 
 @pytest.mark.property
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(data=st.data(), factor=st.sampled_from([1e-6, 1e-3, 1e3, 1e6]))
 def test_the_unit_of_the_parameter_does_not_matter(data, factor, make_limits):
     path, limits = data.draw(paths_and_limits(make_limits))
@@ -86,7 +86,7 @@ def test_the_unit_of_the_parameter_does_not_matter(data, factor, make_limits):
 
 
 @pytest.mark.property
-@settings(max_examples=30)
+@settings(max_examples=30, deadline=None)
 @given(data=st.data())
 def test_wider_limits_are_never_slower(data, make_limits):
     path, limits = data.draw(paths_and_limits(make_limits))
@@ -102,6 +102,7 @@ def trapezoid_time(distance, speed, acceleration):
 
 
 @pytest.mark.property
+@settings(max_examples=50, deadline=None)
 @given(
     turns=st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=6),
     speed=st.floats(0.05, 5.0),
@@ -140,9 +141,14 @@ def test_the_optimum_is_approached_from_above(make_limits):
 
 
 @pytest.mark.property
-@settings(max_examples=20)
-@given(data=st.data(), seed=st.integers(0, 999))
-def test_the_tool_speed_is_kept_in_each_section(data, seed, make_limits):
+@settings(max_examples=20, deadline=None)
+@given(
+    data=st.data(),
+    seed=st.integers(0, 999),
+    waves=st.sampled_from([(20.0, 1e-7), (1000.0, 2e-3)]),
+)
+def test_the_tool_speed_is_kept_in_each_section(data, seed, waves, make_limits):
+    # of a rate that swings within a cell it is kept where the cell is looked at
     path, limits = data.draw(paths_and_limits(make_limits))
     start, end = path.domain
     rng = np.random.default_rng(seed)
@@ -151,19 +157,19 @@ def test_the_tool_speed_is_kept_in_each_section(data, seed, make_limits):
     speeds = typical * np.array([rng.uniform(0.1, 1.0), np.inf, rng.uniform(0.1, 1.0)])
 
     def rate(s):
-        return 1.0 + 0.5 * np.sin(20.0 * (s - start) / (end - start))
+        return 1.0 + 0.5 * np.sin(waves[0] * (s - start) / (end - start))
 
     cap = SpeedCap(edges=edges, speeds=speeds, rate=rate)
     law = quickest(path, limits, cap=cap)
     s, sd, _ = law.sample(np.linspace(0.0, law.duration, 5001))
     cell = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, 2)
     inside = np.abs(s[:, None] - edges).min(axis=1) > 1e-12 * (end - start)
-    assert (rate(s) * sd / speeds[cell])[inside].max() <= 1.0 + 1e-7
+    assert (rate(s) * sd / speeds[cell])[inside].max() <= 1.0 + waves[1]
     assert law.duration >= quickest(path, limits).duration * (1.0 - 1e-3)
 
 
 @pytest.mark.property
-@settings(max_examples=20)
+@settings(max_examples=20, deadline=None)
 @given(data=st.data())
 def test_a_part_of_a_path_can_be_timed(data, make_limits, worst_use):
     path, limits = data.draw(paths_and_limits(make_limits))

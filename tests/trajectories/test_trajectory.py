@@ -28,7 +28,7 @@ def motion_of(seed, make_limits, dwell=0.0, n=4):
 
 
 @pytest.mark.property
-@settings(max_examples=15)
+@settings(max_examples=15, deadline=None)
 @given(seed=st.integers(0, 9999), dwell=st.sampled_from([0.0, 0.4]))
 def test_velocity_and_acceleration_are_those_of_differences(seed, dwell, make_limits):
     motion = motion_of(seed, make_limits, dwell)
@@ -44,7 +44,7 @@ def test_velocity_and_acceleration_are_those_of_differences(seed, dwell, make_li
 
 
 @pytest.mark.property
-@settings(max_examples=15)
+@settings(max_examples=15, deadline=None)
 @given(seed=st.integers(0, 9999), dwell=st.sampled_from([0.0, 0.4]))
 def test_one_moment_is_what_a_sample_gives(seed, dwell, make_limits):
     motion = motion_of(seed, make_limits, dwell)
@@ -79,7 +79,7 @@ def test_the_arm_rests_during_a_dwell(make_limits):
 
 
 @pytest.mark.property
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 9999), share=st.floats(0.0, 1.0), dwell=st.sampled_from([0.0, 0.3]))
 def test_a_stop_keeps_limits_and_path_and_ends_at_rest(seed, share, dwell, make_limits, worst_use):
     motion = motion_of(seed, make_limits, dwell)
@@ -104,7 +104,7 @@ def test_a_stop_keeps_limits_and_path_and_ends_at_rest(seed, share, dwell, make_
 
 
 @pytest.mark.property
-@settings(max_examples=10)
+@settings(max_examples=10, deadline=None)
 @given(seed=st.integers(0, 9999), share=st.floats(0.05, 0.95))
 def test_a_stop_brakes_as_hard_as_the_limits_allow(seed, share, make_limits):
     motion = motion_of(seed, make_limits)
@@ -186,7 +186,7 @@ def test_a_time_must_be_a_finite_number(t, make_limits):
 
 
 @pytest.mark.property
-@settings(max_examples=10)
+@settings(max_examples=10, deadline=None)
 @given(seed=st.integers(0, 9999))
 def test_peaks_are_the_largest_values_of_a_dense_sample(seed, make_limits):
     motion = motion_of(seed, make_limits)
@@ -221,6 +221,12 @@ def test_the_travel_of_the_tool_is_its_way(arm_2r):
     assert tool_travel(arm_2r, motion, 0.3, 0.3) == 0.0
     with pytest.raises(ValueError, match="do not fall"):
         tool_travel(arm_2r, motion, 0.3, 0.2)
+
+
+def test_sections_of_other_joints_are_refused(make_limits):
+    motion = motion_of(8, make_limits, n=4)
+    with pytest.raises(ValueError, match="sections: want ways of 3 joints, got one of 4"):
+        JointTrajectory(motion.sections, np.zeros(3), make_limits([1.0] * 3, [1.0] * 3))
 
 
 def test_a_rest_alone_is_a_motion(make_limits):

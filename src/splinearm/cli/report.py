@@ -57,7 +57,7 @@ def _peak_row(peak: "LimitPeak", limits: "JointLimits") -> tuple[str, ...]:
         f"{peak.value / per:.4g}",
         f"{peak.limit / per:.4g}",
         unit + suffix,
-        f"{abs(peak.value / peak.limit):.1%}",
+        f"{abs(peak.value / peak.limit):.1%}" if peak.limit else "-",
         f"{peak.t:.3f}",
     )
 

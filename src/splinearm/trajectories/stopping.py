@@ -6,6 +6,7 @@ from splinearm.arrays import FloatArray
 from splinearm.joints import JointLimits
 
 from . import constraint, reachability
+from .constraint import Rows
 from .joint_path import JointPath
 from .time_law import TimeLaw, split_cells
 
@@ -43,21 +44,27 @@ def brake(path: JointPath, limits: JointLimits, law: TimeLaw, s: float, speed: f
         return TimeLaw(np.array([s]), np.zeros(1))
     grid, planned = _grid(path, limits, law, s, speed * speed)
     squares = [speed * speed]
-    begin = 1 if len(grid) > 2 and _is_short(law, s) else 0
-    squares += planned[1 : begin + 1].tolist()
-    for first in range(begin, len(grid) - 1, _AHEAD):
-        last = min(first + _AHEAD, len(grid) - 1)
-        rows = constraint.acceleration_rows(path, limits, grid[first : last + 1])
-        for i in range(first, last):
-            x = squares[i]
-            least = reachability.lowest_behind(rows.a[i - first], rows.b[i - first], x)
-            if least <= 0.0 or i + 2 == len(grid):
-                end = _end_within(path, limits, float(grid[i]), float(grid[i + 1]), x)
-                hard = TimeLaw(np.append(grid[: i + 1], end), np.append(squares, 0.0))
-                return min(hard, _rest_of(law, s, speed * speed), key=lambda one: one.duration)
-            # rounding aside, the law under way scaled down to x never demands less
-            squares.append(min(least, float(planned[i + 1]) * x / float(planned[i])))
-    return law  # not reached: the last cell of every grid ends at rest
+    i = 1 if len(grid) > 2 and _is_short(law, s) else 0
+    squares += planned[1 : i + 1].tolist()
+    first, rows = i, _rows_from(path, limits, grid, i)
+    while i + 2 < len(grid):
+        if i - first == len(rows.a):
+            first, rows = i, _rows_from(path, limits, grid, i)
+        x = squares[i]
+        least = reachability.lowest_behind(rows.a[i - first], rows.b[i - first], x)
+        if least <= 0.0:
+            break
+        # rounding aside, the law under way scaled down to x never demands less
+        squares.append(min(least, float(planned[i + 1]) * x / float(planned[i])))
+        i += 1
+    end = _end_within(path, limits, float(grid[i]), float(grid[i + 1]), squares[i])
+    hard = TimeLaw(np.append(grid[: i + 1], end), np.append(squares, 0.0))
+    return min(hard, _rest_of(law, s, speed * speed), key=lambda one: one.duration)
+
+
+def _rows_from(path: JointPath, limits: JointLimits, grid: FloatArray, i: int) -> Rows:
+    """Give the inequalities of the next cells."""
+    return constraint.acceleration_rows(path, limits, grid[i : i + _AHEAD + 1])
 
 
 def _rest_of(law: TimeLaw, s: float, x: float) -> TimeLaw:
