@@ -2,18 +2,24 @@
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
-from typing import Self
+from typing import Literal, Self, TypeAlias
 
 import numpy as np
+from numpy import empty, ndarray
 
 from splinearm.arrays import ArrayInput, FloatArray
 from splinearm.joints import JointLimits
 
-from . import chain, space
+from . import chain, forward, space
 from .dh import DHConvention, DHLink
+from .forward import LOADED
 from .link import Inertia, Link
+from .packed import pack_kernel
 
 _TABLE_TOLERANCE = 1e-9
+
+Frame: TypeAlias = Literal["base", "tool"]
+"""The frame along whose axes a Jacobian is written."""
 
 
 def _identity() -> FloatArray:
@@ -42,6 +48,7 @@ class Arm:
     dh: tuple[DHLink, ...] | None = None
     """The DH table that the links come from, if they do."""
     _packed: chain.Chain = field(init=False, repr=False)
+    _numbers: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "links", tuple(self.links))
@@ -55,6 +62,7 @@ class Arm:
         self._check_table()
         packed = chain.pack(self.links, self.T_base_first, self.T_flange_tool)
         object.__setattr__(self, "_packed", packed)
+        object.__setattr__(self, "_numbers", pack_kernel(packed))
 
     @classmethod
     def from_dh(  # noqa: PLR0913 - all that an arm file says of its table
@@ -117,71 +125,126 @@ class Arm:
         """The arm as packed arrays, for the functions of module chain, which check nothing."""
         return self._packed
 
-    def fk(self, q: ArrayInput) -> FloatArray:
+    @property
+    def numbers(self) -> FloatArray:
+        """The arm as the one array that kernels take, shape (n + 1, 13); see module packed."""
+        return self._numbers
+
+    def compiled(self) -> Self:
+        """Give this arm once the compiled kernels of fk, frames and jacobian are loaded.
+
+        Until then numpy answers, some ten times slower, except to batches of 20 000 joint vectors
+        or more and to calls with ``out=``, which load what they need. Loading takes about 0.2 s,
+        and some seconds the first time on a machine. It holds for all arms of the process.
+        """
+        forward.load()
+        return self
+
+    def bare(self) -> forward.Bare:
+        """Give the kernels of this arm as functions for the tightest loops; see `forward.Bare`."""
+        return forward.bare(self._numbers)
+
+    def fk(self, q: ArrayInput, *, out: FloatArray | None = None) -> FloatArray:
         """Give the pose of the tool in base, T_base_tool, shape (..., 4, 4).
 
         Args:
             q: Joint positions, shape (..., n), rad (m where a joint slides). They may lie outside
                 the limits.
+            out: A contiguous array of float64 of the answer's shape to write it to; None: a new
+                one.
 
         Raises:
-            ValueError: If the last axis is not n long or a number is not finite.
+            TypeError: If ``out`` is not an array of float64.
+            ValueError: If the last axis is not n long, a number is not finite, or ``out`` does
+                not fit. What stands in ``out`` is then not to be used.
         """
-        q = self._joint_array(q)
-        if q.ndim == 1:
-            return chain.fk(self._packed, q)
-        return chain.fk_batch(self._packed, q.reshape(-1, self.n)).reshape(*q.shape[:-1], 4, 4)
+        single = LOADED.single
+        if single is not None and type(q) is ndarray and q.ndim == 1:
+            T = empty((4, 4)) if out is None else out
+            try:
+                if single.fk(self._numbers, q, T):
+                    return T
+            except TypeError:
+                pass  # not as the kernel takes them: converted, or refused, below
+        return forward.fk(self._packed, self._numbers, self.joint_array(q), out)
 
-    def frames(self, q: ArrayInput) -> FloatArray:
+    def frames(self, q: ArrayInput, *, out: FloatArray | None = None) -> FloatArray:
         """Give the pose of every link frame in base, shape (..., n, 4, 4).
 
         For an arm from a DH table these are the DH frames 1 to n; the last is the flange.
 
         Args:
             q: Joint positions, shape (..., n), rad (m where a joint slides).
+            out: As in `fk`.
 
         Raises:
-            ValueError: If the last axis is not n long or a number is not finite.
+            TypeError: As in `fk`.
+            ValueError: As in `fk`.
         """
-        q = self._joint_array(q)
-        Ts_base_link = chain.frames_batch(self._packed, q.reshape(-1, self.n))
-        return Ts_base_link.reshape(*q.shape, 4, 4)
+        return forward.frames(self._packed, self._numbers, self.joint_array(q), out)
 
-    def jacobian(self, q: ArrayInput) -> FloatArray:
-        """Give the geometric Jacobian of the tool point in base, shape (..., 6, n).
+    def jacobian(
+        self, q: ArrayInput, *, frame: Frame = "base", out: FloatArray | None = None
+    ) -> FloatArray:
+        """Give the geometric Jacobian of the tool point, shape (..., 6, n).
 
-        Rows: linear velocity (m/s), then angular velocity (rad/s), of the tool per rad/s (m/s
-        where a joint slides).
+        Rows: linear velocity (m/s), then angular velocity (rad/s), of the tool against the base
+        per rad/s (m/s where a joint slides), along the axes of ``frame``.
 
         Args:
             q: Joint positions, shape (..., n), rad (m where a joint slides).
+            frame: Whose axes: "base" or "tool".
+            out: As in `fk`.
 
         Raises:
-            ValueError: If the last axis is not n long or a number is not finite.
+            TypeError: As in `fk`.
+            ValueError: As in `fk`, or if ``frame`` is neither word.
         """
-        q = self._joint_array(q)
-        if q.ndim == 1:
-            return chain.fk_and_jacobian(self._packed, q)[1]
-        jacobian = chain.jacobian_batch(self._packed, q.reshape(-1, self.n))
-        return jacobian.reshape(*q.shape[:-1], 6, self.n)
+        single = LOADED.single
+        if single is not None and frame == "base" and type(q) is ndarray and q.ndim == 1:
+            J = empty((6, len(self.links))) if out is None else out
+            try:
+                if single.jacobian(self._numbers, q, J):
+                    return J
+            except TypeError:
+                pass  # not as the kernel takes them: converted, or refused, below
+        if frame not in ("base", "tool"):
+            raise ValueError(f"frame: want 'base' or 'tool', got {frame!r}")
+        q = self.joint_array(q)
+        J = forward.jacobian(self._packed, self._numbers, q, out)
+        if frame == "tool":
+            R_tool_base = forward.fk(self._packed, self._numbers, q, None)[..., :3, :3].mT
+            J[..., :3, :] = R_tool_base @ J[..., :3, :]
+            J[..., 3:, :] = R_tool_base @ J[..., 3:, :]
+        return J
 
     def with_tool(self, T_flange_tool: ArrayInput) -> Self:
         """Give the same arm with another tool: its pose in the flange, shape (4, 4)."""
         return replace(self, T_flange_tool=np.asarray(T_flange_tool, dtype=np.float64))
 
-    def _joint_array(self, q: ArrayInput) -> FloatArray:
-        """Give joint vectors as an array after checking their shape and numbers."""
+    def joint_array(self, values: ArrayInput, name: str = "q") -> FloatArray:
+        """Give one number a joint as an array, shape (..., n), after checking it.
+
+        Args:
+            values: What came.
+            name: What it is called in the error.
+
+        Raises:
+            ValueError: If the last axis is not n long or a number is not real and finite.
+        """
         try:
-            array = np.asarray(q, dtype=np.float64)
+            array = np.asarray(values)
+            if array.dtype != np.float64:
+                array = array.astype(np.float64, casting="same_kind")
         except (TypeError, ValueError) as error:
-            raise ValueError(f"q: want an array of numbers, got {q!r}") from error
+            raise ValueError(f"{name}: want an array of numbers, got {values!r}") from error
         if array.ndim == 0 or array.shape[-1] != self.n:
             raise ValueError(
-                f"q: want shape (..., {self.n}) for the joints of arm {self.name!r}, "
+                f"{name}: want shape (..., {self.n}) for the joints of arm {self.name!r}, "
                 f"got {array.shape}"
             )
         if not np.isfinite(array).all():
-            raise ValueError(f"q: want finite numbers, got {array.tolist()}")
+            raise ValueError(f"{name}: want finite numbers, got {array.tolist()}")
         return array
 
     def _check_limits(self) -> None:
