@@ -7,6 +7,7 @@ servos do is one of these; each keeps its facts as fields in SI and speaks in th
     ├── ConfigError               a file says something that cannot be used
     ├── KinematicsError
     │   ├── UnreachableError      no joint angles within the limits reach the pose
+    │   ├── PathError             no branch follows a path of the tool to its end
     │   └── SingularityError      the arm has lost a direction there
     ├── TrajectoryError
     │   ├── LimitError            a motion would break a limit of a joint
@@ -77,6 +78,23 @@ class UnreachableError(KinematicsError):
             misses.append(f"{orientation_error * 180.0 / pi:.4g} deg")
         message = f"{what} is out of reach by {' and '.join(misses)}"
         super().__init__(f"{message}: {reason}" if reason else message)
+
+
+class PathError(KinematicsError):
+    """No branch follows a path of the tool to its end."""
+
+    def __init__(self, point: int, reason: str, joint: str | None = None) -> None:
+        """Take the facts.
+
+        Args:
+            point: The first point that could not be followed to, counted from 0.
+            reason: Where and why the path ends, in the user's units.
+            joint: The joint whose limit or jump is in the way, if one is.
+        """
+        self.point = point
+        self.reason = reason
+        self.joint = joint
+        super().__init__(f"no branch follows the path to its end: {reason}")
 
 
 class SingularityError(KinematicsError):

@@ -51,12 +51,14 @@ def test_nearest_first_is_in_the_order_of_the_miss(widowx, joints_inside):
     assert (np.diff(distances) >= 0.0).all()
 
 
-@pytest.mark.parametrize("count", [1, 10, 24, 25, 60, 512, 600])
+@pytest.mark.parametrize("count", [1, 10, 24, 25, 60, 1024, 1100])
 def test_near_and_far_gives_as_many_different_starts_as_asked_the_nearest_first(widowx, count):
     T = widowx.fk(np.full(6, 0.2))
     goal = goal_at(widowx, T)
     starts = start.near_and_far(widowx.packed, goal, count)
     assert len(np.unique(starts, axis=0)) == count
-    all_of_them = start.spread(goal.lower, goal.upper, goal.units, max(512, count))
+    all_of_them = start.spread(goal.lower, goal.upper, goal.units, max(start.CANDIDATES, count))
     nearest = start.nearest_first(widowx.packed, goal, all_of_them)
-    np.testing.assert_array_equal(starts[: min(count, 24)], nearest[: min(count, 24)])
+    np.testing.assert_array_equal(
+        starts[: min(count, start.NEAREST)], nearest[: min(count, start.NEAREST)]
+    )

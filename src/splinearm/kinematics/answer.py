@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 from enum import Enum
 
-from splinearm.arrays import FloatArray, frozen_array
+import numpy as np
+
+from splinearm.arrays import ArrayInput, FloatArray, frozen_array
 
 
 class IKStatus(Enum):
@@ -47,9 +49,20 @@ class IKResult:
     """The reason without by how much."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "q", frozen_array(self.q, (None,), "q"))
+        # what a kernel has confirmed comes frozen already; a check takes as long as a descent
+        if not _is_frozen(self.q):
+            object.__setattr__(self, "q", frozen_array(self.q, (None,), "q"))
 
     @property
     def reached(self) -> bool:
         """Whether the target is met."""
         return self.status is IKStatus.REACHED
+
+
+def _is_frozen(q: ArrayInput) -> bool:
+    return (
+        isinstance(q, np.ndarray)
+        and q.dtype == np.float64
+        and q.ndim == 1
+        and not q.flags.writeable
+    )

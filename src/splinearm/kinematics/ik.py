@@ -1,35 +1,28 @@
 """Inverse kinematics of any arm, by descent from many starts, within the joint limits."""
 
 from collections.abc import Iterator
+from math import isfinite
 
 import numpy as np
 
 from splinearm.arrays import ArrayInput, FloatArray, frozen_array
 from splinearm.errors import UnreachableError
-from splinearm.joints import JointKind
 from splinearm.units import DEG, MM
 
-from . import quaternion, turn, verdict
+from . import solver, turn, verdict
 from .answer import IKResult as IKResult
 from .answer import IKStatus as IKStatus
 from .arm import Arm
 from .chain import Chain
-from .descent import Goal, Rest, descend, misses
+from .descent import Goal, Rest, misses
 from .pose import Pose
 from .start import near_and_far
 
-RESTARTS = 60
+RESTARTS = 200
 """Starts that a search tries when the first leads nowhere."""
 
-# Measured on ten arms of 2 to 7 joints: with these each of some 40 000 poses was solved
-_FIRST_ITERATIONS = 20
-_CONTINUED = 6
-_HOPELESS = 4
-_LAST_ITERATIONS = 250
-_SEED_ITERATIONS = 100
-_SEED_STEP = 0.2
-_STEP = 1.0
-_LENGTH_SHARE = 0.2
+HOPELESS = 4
+"""Starts that are tried for the nearest answer to a position farther off than the arm is long."""
 
 
 def search(
@@ -65,26 +58,28 @@ def search(
     Raises:
         ValueError: If an argument is not of its shape or not finite, or without seed and restarts.
     """
-    if restarts < 0 or (restarts == 0 and q_seed is None):
-        raise ValueError(f"restarts: want at least 1 without a seed, 0 with one, got {restarts}")
-    for name, tolerance in (
-        ("position_tolerance", position_tolerance),
-        ("orientation_tolerance", orientation_tolerance),
-    ):
-        if not (np.isfinite(tolerance) and tolerance > 0.0):
-            raise ValueError(f"{name}: want a finite number above zero, got {tolerance}")
-    goal = _goal(arm, target, position_tolerance, orientation_tolerance)
+    _check(position_tolerance, orientation_tolerance, restarts, seeded=q_seed is not None)
     seed = None if q_seed is None else frozen_array(q_seed, (arm.n,), "q_seed")
-    near = turn.middle(goal.lower, goal.upper) if seed is None else seed
+    goal = goal_of(arm, target, position_tolerance, orientation_tolerance)
+    model = solver.model_of(arm, restarts)
+    near = model.middle if seed is None else seed
     if restarts and verdict.is_out_of_reach(arm, goal):
-        restarts = min(restarts, _HOPELESS)
+        restarts = min(restarts, HOPELESS)
+    kernel = solver.kernels()
     rests: list[Rest] = []
-    for rest in _descents(arm.packed, goal, seed, restarts):
-        rests.append(rest)
-        q = _with_turns(arm, goal, rest.q, near)
-        result = _judged(arm, goal, q, sum(rest.iterations for rest in rests))
-        if result is not None:
-            return result
+    if kernel is None:
+        for rest in _descents(arm.packed, goal, seed, restarts):
+            rests.append(rest)
+            q = _with_turns(arm, goal, rest.q, near)
+            result = _judged(arm, goal, q, sum(rest.iterations for rest in rests))
+            if result is not None:
+                return result
+    else:
+        numbers = solver.goal_numbers(goal)
+        met, rows, steps = solver.search(kernel, model, numbers, seed, near, restarts)
+        if met:
+            return _reached(rows[-1], steps)
+        rests = _rests(rows)
     found = verdict.why_not(arm, goal, rests, may_jump=restarts > 0)
     q = _with_turns(arm, goal, found.rest.q, near)
     iterations = sum(rest.iterations for rest in rests)
@@ -138,55 +133,108 @@ def solve(
     return result.q
 
 
-def _goal(
+def goal_of(
     arm: Arm, target: Pose | ArrayInput, position_tolerance: float, orientation_tolerance: float
 ) -> Goal:
+    """Give what a descent of the arm is to reach, from what a user says."""
     if isinstance(target, Pose):
-        p, R = target.p, quaternion.to_matrix(target.quat)
+        p, R = target.p, _rotation(*target.quat.tolist())
     else:
         p, R = frozen_array(target, (3,), "target"), None
-    length = _LENGTH_SHARE * _stretched(arm)
-    slides = np.array([link.kind is JointKind.PRISMATIC for link in arm.links])
-    weights = np.full((3 if R is None else 6, 1), 1.0)
-    weights[:3] = 1.0 / length
+    model = solver.model_of(arm)
     return Goal(
         p=p,
         R=R,
         lower=arm.limits.q_min,
         upper=arm.limits.q_max,
-        weights=weights,
-        units=np.where(slides, length, 1.0),
+        weights=model.weights[:3] if R is None else model.weights,
+        units=model.bounds[2],
         position_tolerance=position_tolerance,
         orientation_tolerance=orientation_tolerance,
     )
 
 
-def _stretched(arm: Arm) -> float:
-    """Give the length of the arm pulled straight, m; 1 for one that is all in a point."""
-    length = float(np.linalg.norm(arm.packed.fixed[1:, :3, 3], axis=1).sum())
-    for i, link in enumerate(arm.links):
-        room = arm.limits.q_max[i] - arm.limits.q_min[i]
-        if link.kind is JointKind.PRISMATIC and np.isfinite(room):
-            length += room
-    return length or 1.0
+def _rotation(w: float, x: float, y: float, z: float) -> FloatArray:
+    """Give the matrix of one unit quaternion; as ``quaternion.to_matrix``, in less time."""
+    return np.array(
+        (
+            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
+            (2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
+            (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
+        )
+    )
+
+
+def check_tolerances(position_tolerance: float, orientation_tolerance: float) -> None:
+    """Refuse tolerances that are not finite and above zero."""
+    for name, tolerance in (
+        ("position_tolerance", position_tolerance),
+        ("orientation_tolerance", orientation_tolerance),
+    ):
+        if not (isfinite(tolerance) and tolerance > 0.0):
+            raise ValueError(f"{name}: want a finite number above zero, got {tolerance}")
+
+
+def _check(
+    position_tolerance: float, orientation_tolerance: float, restarts: int, *, seeded: bool
+) -> None:
+    if restarts < 0 or (restarts == 0 and not seeded):
+        raise ValueError(f"restarts: want at least 1 without a seed, 0 with one, got {restarts}")
+    check_tolerances(position_tolerance, orientation_tolerance)
+
+
+def _reached(row: FloatArray, steps: int) -> IKResult:
+    """Give the result of an answer that the kernel has found and confirmed."""
+    n = len(row) - 5
+    q = row[:n].copy()
+    q.flags.writeable = False
+    return IKResult(
+        q=q,
+        position_error=float(row[n + 1]),
+        orientation_error=float(row[n + 2]),
+        iterations=steps,
+        status=IKStatus.REACHED,
+    )
+
+
+def _rests(rows: FloatArray) -> list[Rest]:
+    """Give where the kernel's descents ended."""
+    n = rows.shape[1] - 5
+    return [
+        Rest(
+            q=row[:n].copy(),
+            position_error=float(row[n + 1]),
+            orientation_error=float(row[n + 2]),
+            cost=float(row[n]),
+            iterations=int(row[n + 3]),
+            at_rest=bool(row[n + 4] == 1.0),
+        )
+        for row in rows
+    ]
 
 
 def _descents(chain: Chain, goal: Goal, seed: FloatArray | None, restarts: int) -> Iterator[Rest]:
     """Give where descents end: from the seed, from the starts, and from the best of these on."""
     if seed is not None:
         q = np.clip(seed, goal.lower, goal.upper)
-        yield descend(chain, goal, q, max_step=_SEED_STEP, max_iterations=_SEED_ITERATIONS)
+        yield solver.descend(
+            chain, goal, q, max_step=solver.SEED_STEP, max_iterations=solver.SEED_ITERATIONS
+        )
     if not restarts:
         return
     unfinished = []
     for q in near_and_far(chain, goal, restarts):
-        rest = descend(chain, goal, q, max_step=_STEP, max_iterations=_FIRST_ITERATIONS)
+        rest = solver.descend(
+            chain, goal, q, max_step=solver.STEP, max_iterations=solver.FIRST_ITERATIONS
+        )
         yield rest
         if not rest.at_rest:
             unfinished.append(rest)
     unfinished.sort(key=lambda rest: rest.cost)
-    for rest in unfinished[:_CONTINUED]:
-        yield descend(chain, goal, rest.q, max_step=_STEP, max_iterations=_LAST_ITERATIONS)
+    for rest in unfinished[: solver.CONTINUED]:
+        yield solver.descend(
+            chain, goal, rest.q, max_step=solver.STEP, max_iterations=solver.LAST_ITERATIONS
+        )
 
 
 def _with_turns(arm: Arm, goal: Goal, q: FloatArray, near: FloatArray) -> FloatArray:

@@ -8,8 +8,11 @@ from . import turn
 from .chain import Chain, fk_batch
 from .descent import Goal
 
-_CANDIDATES = 512
-_NEAREST = 24
+CANDIDATES = 1024
+"""Joint vectors of which a search takes its starts, unless it wants more."""
+
+NEAREST = 24
+"""How many starts are the nearest to the goal; the others are spread over the rest."""
 
 
 def near_and_far(chain: Chain, goal: Goal, count: int) -> FloatArray:
@@ -17,11 +20,11 @@ def near_and_far(chain: Chain, goal: Goal, count: int) -> FloatArray:
 
     The nearest may all lead to one place that is not the goal; the others are there for that.
     """
-    candidates = spread(goal.lower, goal.upper, goal.units, max(_CANDIDATES, count))
+    candidates = spread(goal.lower, goal.upper, goal.units, max(CANDIDATES, count))
     ordered = nearest_first(chain, goal, candidates)
-    others = ordered[_NEAREST:]
-    stride = max(1, len(others) // max(1, count - _NEAREST))
-    return np.concatenate((ordered[:_NEAREST], others[::stride]))[:count]
+    others = ordered[NEAREST:]
+    stride = max(1, len(others) // max(1, count - NEAREST))
+    return np.concatenate((ordered[:NEAREST], others[::stride]))[:count]
 
 
 def spread(lower: FloatArray, upper: FloatArray, units: FloatArray, count: int) -> FloatArray:

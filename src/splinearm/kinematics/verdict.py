@@ -1,6 +1,7 @@
 """Why a target is missed: out of reach, beyond a limit, or only in orientation."""
 
 from collections.abc import Callable, Sequence
+from math import dist
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +13,8 @@ from splinearm.units import DEG, MM
 from . import turn
 from .answer import IKStatus
 from .arm import Arm
-from .descent import Goal, Rest, descend, misses
+from .descent import Goal, Rest, misses
+from .solver import descend, model_of
 from .start import near_and_far
 
 _TRIED = 3
@@ -175,23 +177,9 @@ def _beyond_limits(
 
 
 def _distance_and_reach(arm: Arm, goal: Goal) -> tuple[float, float]:
-    """Give how far the goal is from the first joint, and a distance that no bend can pass, m."""
-    # a joint may be thought anywhere along its axis, so what lies along parallel axes adds up
-    # with its sign before the lengths are added
-    fixed = arm.packed.fixed
-    lengths = fixed[1:, :3, 3].copy()
-    for k in range(arm.n - 1, 0, -1):
-        axis = fixed[k, :3, 2]
-        if abs(axis[2]) == 1.0:
-            lengths[k - 1] += axis * lengths[k, 2]
-            lengths[k, 2] = 0.0
-    shoulder = fixed[0, :3, 3] + fixed[0, :3, 2] * lengths[0, 2]
-    lengths[0, 2] = 0.0
-    reach = float(np.linalg.norm(lengths, axis=1).sum())
-    for i, link in enumerate(arm.links):
-        if link.kind is JointKind.PRISMATIC:
-            reach += float(max(abs(arm.limits.q_min[i]), abs(arm.limits.q_max[i])))
-    return float(np.linalg.norm(goal.p - shoulder)), reach
+    """Give how far the goal is from where the arm stretches from, and how far it can, m."""
+    model = model_of(arm)
+    return dist(goal.p.tolist(), model.shoulder.tolist()), model.reach
 
 
 def _amount(kind: JointKind, excess: float) -> str:
