@@ -62,18 +62,34 @@ def _modules_after(statement):
 
 def test_importing_the_package_loads_no_library():
     loaded = _modules_after("import splinearm")
-    assert not loaded & {"numpy", "mujoco", "dynamixel_sdk", "serial", "rich", "matplotlib"}
+    assert not loaded & {
+        "numpy",
+        "numba",
+        "mujoco",
+        "dynamixel_sdk",
+        "serial",
+        "rich",
+        "matplotlib",
+    }
 
 
 def test_asking_for_help_loads_no_library():
     statement = "from splinearm.cli.main import build_parser; build_parser().format_help()"
     loaded = _modules_after(statement)
-    assert not loaded & {"numpy", "mujoco", "dynamixel_sdk", "serial", "rich", "matplotlib"}
+    assert not loaded & {
+        "numpy",
+        "numba",
+        "mujoco",
+        "dynamixel_sdk",
+        "serial",
+        "rich",
+        "matplotlib",
+    }
 
 
 def test_planning_loads_neither_simulator_nor_servos():
     loaded = _modules_after("import splinearm; splinearm.plan; splinearm.load_job")
-    assert not loaded & {"mujoco", "dynamixel_sdk", "serial", "matplotlib", "scipy"}
+    assert not loaded & {"numba", "mujoco", "dynamixel_sdk", "serial", "matplotlib", "scipy"}
 
 
 def _sources():

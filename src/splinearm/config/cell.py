@@ -38,7 +38,7 @@ from splinearm.errors import ConfigError, LimitError
 from splinearm.joints import JointLimits
 from splinearm.kinematics import Arm, DHConvention, DHLink, Link
 
-from . import reader, unit
+from . import description, reader, unit
 from .frame import read_transform
 from .joint import CONVENTIONS, Joint, joint_limits, read_joints
 from .reader import Table
@@ -83,16 +83,24 @@ def shipped_arms() -> tuple[str, ...]:
     return tuple(sorted(file.stem for file in _folder().glob("*.toml")))
 
 
-def load_cell(name_or_path: str | PathLike[str]) -> Cell:
-    """Read an arm file.
+def load_cell(name_or_path: str | PathLike[str], *, tip: str | None = None) -> Cell:
+    """Read an arm file, or an arm without servos from a URDF (.urdf) or MJCF (.xml, .mjcf).
 
     Args:
         name_or_path: The name of a shipped arm, or the path of any arm file.
+        tip: Of a URDF or MJCF: the link, body or site that is the tool; None: where there is but
+            one. What such a file says of no joint, speeds and accelerations, gets the defaults of
+            ``splinearm.kinematics.description``.
 
     Raises:
         ConfigError: If there is no such arm, or its file says something that cannot be used.
     """
-    return _read_cell(arm_file(name_or_path))
+    file = arm_file(name_or_path)
+    if file.suffix.lower() in description.READERS:
+        return _described_cell(file, tip)
+    if tip is not None:
+        raise ConfigError(file, "", f"takes no tip, got {tip!r}: its tool is what it says itself")
+    return _read_cell(file)
 
 
 def arm_file(name_or_path: str | PathLike[str]) -> Path:
@@ -155,6 +163,21 @@ def _read_cell(file: Path) -> Cell:
         arm=_arm(name, joints, convention, limits, places),
         chain=chain,
         poses=_read_poses(poses, limits),
+    )
+
+
+def _described_cell(file: Path, tip: str | None) -> Cell:
+    arm = description.read_arm(file, tip)
+    home = description.home_of(arm.limits)
+    return Cell(
+        name=arm.name,
+        title=f"{arm.name}, from {file.name}",
+        file=file,
+        licence="",
+        notice="",
+        arm=arm,
+        chain=None,
+        poses=MappingProxyType({"home": home}),
     )
 
 

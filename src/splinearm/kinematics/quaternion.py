@@ -171,6 +171,73 @@ def slerp(a: ArrayInput, b: ArrayInput, share: ArrayInput) -> FloatArray:
     return multiply(a, exp(step))
 
 
+def squad(
+    a: ArrayInput, a_control: ArrayInput, b_control: ArrayInput, b: ArrayInput, share: ArrayInput
+) -> FloatArray:
+    """Give the rotation at ``share`` (...) of a smooth way from ``a`` to ``b``, shape (..., 4).
+
+    Pieces that share their ends and, there, their control rotations (``squad_controls``) join
+    without a jump of the angular velocity, where the shares run equally fast.
+    """
+    # Shoemake, Quaternion calculus and fast animation, SIGGRAPH course notes 10, 1987
+    share = np.asarray(share, dtype=np.float64)
+    inner = slerp(a_control, b_control, share)
+    return slerp(slerp(a, b, share), inner, 2.0 * share * (1.0 - share))
+
+
+def squad_controls(quats: ArrayInput) -> FloatArray:
+    """Give the control rotations, shape (..., m, 4), that lead ``squad`` smoothly through m.
+
+    The first and the last are the rotations themselves.
+    """
+    quats = np.asarray(quats, dtype=np.float64)
+    here, back = quats[..., 1:-1, :], conjugate(quats[..., 1:-1, :])
+    bend = log(multiply(back, quats[..., 2:, :])) + log(multiply(back, quats[..., :-2, :]))
+    controls = quats.copy()
+    controls[..., 1:-1, :] = multiply(here, exp(-0.25 * bend))
+    return controls
+
+
+def average(quats: ArrayInput, weights: ArrayInput | None = None) -> FloatArray:
+    """Give the mean rotation of m, shape (..., 4), with w >= 0.
+
+    It is the one with the least sum of squared distances, as matrices, to the given ones; their
+    signs do not matter.
+
+    Args:
+        quats: Unit quaternions, shape (..., m, 4).
+        weights: How much each counts, shape (..., m), at least zero; None: all the same.
+
+    Raises:
+        ValueError: If no one rotation is the mean, as of two that are half a turn apart.
+    """
+    # Markley et al., Averaging quaternions, J. Guidance, Control, and Dynamics 30 (2007), eq. 12
+    quats = np.asarray(quats, dtype=np.float64)
+    weights = np.ones(quats.shape[-2]) if weights is None else np.asarray(weights, np.float64)
+    scatter = np.einsum("...m,...mi,...mj->...ij", weights, quats, quats)
+    values, vectors = np.linalg.eigh(scatter)
+    if np.any(values[..., 3] - values[..., 2] <= _LOCK * values[..., 3]):
+        raise ValueError("quats: want rotations that have one mean, got some that have several")
+    return _upper(vectors[..., 3])
+
+
+def random(rng: np.random.Generator, *batch: int) -> FloatArray:
+    """Give rotations drawn uniformly from all, shape (*batch, 4), with w >= 0."""
+    # Muller, A note on a method for generating points uniformly on n-dimensional spheres,
+    # Comm. ACM 2 (1959) 19
+    return _upper(normalize(rng.normal(size=(*batch, 4))))
+
+
+def spread(count: int) -> FloatArray:
+    """Give rotations spread evenly over all, the same at every call, shape (count, 4)."""
+    # Alexa, Super-Fibonacci spirals: fast, low-discrepancy sampling of SO(3), CVPR 2022, alg. 1
+    s = np.arange(count) + 0.5
+    inner, outer = np.sqrt(s / count), np.sqrt(1.0 - s / count)
+    alpha, beta = 2.0 * np.pi * s / np.sqrt(2.0), 2.0 * np.pi * s / 1.533751168755204288118041413
+    parts = inner * np.sin(alpha), inner * np.cos(alpha), outer * np.sin(beta), outer * np.cos(beta)
+    return _upper(np.stack(parts, axis=-1))
+
+
 def from_euler(angles: ArrayInput, sequence: str) -> FloatArray:
     """Give unit quaternions, shape (..., 4), of three turns about coordinate axes.
 
