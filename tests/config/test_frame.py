@@ -6,37 +6,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from splinearm.config.frame import frame_on, read_axis, read_quat, read_transform
+from splinearm.config.frame import read_axis, read_quat, read_transform
 from splinearm.config.reader import Table
 from splinearm.errors import ConfigError
 from splinearm.kinematics import quaternion
 
 ANGLES = st.lists(st.integers(-1800, 1800), min_size=3, max_size=3)
-VECTORS = st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3).filter(
-    lambda v: np.linalg.norm(v) > 1e-3
-)
 
 
 def table(**values: object) -> Table:
     return Table(values, "some.toml", "tool")
-
-
-@pytest.mark.property
-@given(VECTORS)
-def test_a_frame_on_an_axis_is_a_rotation_with_its_z_there(vector):
-    axis = np.array(vector) / np.linalg.norm(vector)
-    R = frame_on(axis)[:3, :3]
-    np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-14)
-    assert np.linalg.det(R) == pytest.approx(1.0)
-    np.testing.assert_array_equal(R[:, 2], axis)
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize("along", [0, 1, 2])
-def test_a_frame_on_a_coordinate_axis_is_exact(along, sign):
-    R = frame_on(sign * np.eye(3)[along])[:3, :3]
-    assert set(np.abs(R).ravel()) == {0.0, 1.0}
-    np.testing.assert_array_equal(R.T @ R, np.eye(3))
 
 
 @pytest.mark.property

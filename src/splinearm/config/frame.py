@@ -1,7 +1,5 @@
 """Positions, orientations and axes as files give them, as arrays."""
 
-from math import copysign
-
 import numpy as np
 
 from splinearm.arrays import FloatArray
@@ -45,24 +43,6 @@ def read_transform(table: Table) -> FloatArray:
 def read_axis(table: Table, key: str) -> FloatArray:
     """Give a direction as a unit vector, shape (3,)."""
     return _unit(table, key, 3, "[0, 0, 1] is the z axis")
-
-
-def frame_on(axis: FloatArray) -> FloatArray:
-    """Give a rotation whose z axis is the unit vector ``axis``, as a transform, shape (4, 4).
-
-    Along the axes x, y and z, and against them, its numbers are exact.
-    """
-    # Duff et al., Building an orthonormal basis, revisited, J. Computer Graphics Techniques 6
-    # (2017), listing 3
-    x, y, z = (float(part) for part in axis)
-    sign = copysign(1.0, z)
-    a = -1.0 / (sign + z)
-    b = x * y * a
-    T = np.eye(4)
-    T[:3, 0] = 1.0 + sign * x * x * a, sign * b, -sign * x
-    T[:3, 1] = b, sign + y * y * a, -y
-    T[:3, 2] = x, y, z
-    return T
 
 
 def _unit(table: Table, key: str, length: int, usual: str) -> FloatArray:

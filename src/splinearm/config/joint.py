@@ -9,8 +9,9 @@ import numpy as np
 
 from splinearm.joints import JointKind, JointLimits
 from splinearm.kinematics import DHConvention, DHLink, Inertia, Link
+from splinearm.kinematics.home import frame_on
 
-from .frame import frame_on, read_axis, read_transform
+from .frame import read_axis, read_transform
 from .reader import Table
 
 CONVENTIONS: dict[str, DHConvention | None] = {

@@ -77,8 +77,10 @@ def arm_at(
     )
 
 
-def frame_on(axis: FloatArray, origin: Sequence[float] | FloatArray) -> FloatArray:
-    """Give a frame, shape (4, 4), with its z axis along a unit vector, at a point.
+def frame_on(
+    axis: FloatArray, origin: Sequence[float] | FloatArray = (0.0, 0.0, 0.0)
+) -> FloatArray:
+    """Give a frame, shape (4, 4), with its z axis along a unit vector, at a point (the origin).
 
     Along the axes x, y and z, and against them, its numbers are exact.
     """
