@@ -1,11 +1,14 @@
 """The one place that chooses which arm moves: MuJoCo, virtual servos, or servos on a port."""
 
+import select
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from typing import IO
 
 from splinearm.arrays import FloatArray
 from splinearm.config import Cell
@@ -26,6 +29,9 @@ _PTY_MARGIN = 0.05
 
 _BUS_START_TIMEOUT = 20.0
 """How long the virtual bus may take to start, s."""
+
+_BUS_END_TIMEOUT = 5.0
+"""How long it may take to end, s."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -146,26 +152,44 @@ def _virtual_bus_process(cell: Cell, q_start: FloatArray | None) -> Iterator[str
     if q_start is not None:
         degrees = ",".join(repr(float(angle)) for angle in cell.to_file_units(q_start))
         command.append(f"--start-deg={degrees}")
-    process = subprocess.Popen(
-        command,
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,  # Ctrl-C is for us: the bus outlives the stop along the path
-    )
-    try:
-        yield _await_port(process)
-    finally:
-        process.terminate()
-        process.communicate(timeout=_BUS_START_TIMEOUT)
+    # what it complains of goes to a file: a pipe that nobody empties would stop it in the end
+    with tempfile.TemporaryFile("w+") as complaints:
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=complaints,
+            text=True,
+            start_new_session=True,  # Ctrl-C is for us: the bus outlives the stop along the path
+        )
+        try:
+            yield _await_port(process, complaints)
+        finally:
+            _end(process)
 
 
-def _await_port(process: "subprocess.Popen[str]") -> str:
+def _await_port(process: "subprocess.Popen[str]", complaints: IO[str]) -> str:
+    """Give the port that the bus prints once it can be opened."""
     assert process.stdout is not None  # noqa: S101 - a pipe was asked for
-    line = process.stdout.readline()
+    ready, _, _ = select.select([process.stdout], (), (), _BUS_START_TIMEOUT)
+    line = process.stdout.readline() if ready else ""
     if line.startswith("port: "):
         return line.removeprefix("port: ").strip()
-    _, complaint = process.communicate(timeout=_BUS_START_TIMEOUT)
-    last = complaint.strip().splitlines()[-1] if complaint.strip() else "it said nothing"
-    raise PortError("virtual", f"the virtual bus did not start: {last}", "run it by itself")
+    _end(process)
+    complaints.seek(0)
+    last = (complaints.read().strip().splitlines() or ["it said nothing"])[-1]
+    raise PortError(
+        "virtual",
+        f"the virtual bus did not start: {last}",
+        "try `splinearm virtual-bus` with the arm by itself",
+    )
+
+
+def _end(process: "subprocess.Popen[str]") -> None:
+    """End the bus, by force if it does not listen."""
+    process.terminate()
+    try:
+        process.communicate(timeout=_BUS_END_TIMEOUT)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.communicate()
