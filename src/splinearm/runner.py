@@ -1,5 +1,6 @@
 """A job from its file to the end of its motion: plan, approach, follow, report."""
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,9 +14,11 @@ from splinearm.control.guard import Guard, Tolerances
 from splinearm.control.record import Cycle, Recorder
 from splinearm.control.report import LoopReport, TrackingReport, report_loop, report_tracking
 from splinearm.control.stop import StopRequest
-from splinearm.errors import ConfigError, UnreachableError
+from splinearm.errors import ConfigError, CurveError, UnreachableError
 from splinearm.trajectories.plan import Plan, plan, plan_joint_move
 from splinearm.units import DEG
+
+_log = logging.getLogger(__name__)
 
 APPROACH_SHARE = 0.3
 """Share of the speed limits that the way to the start takes."""
@@ -77,6 +80,8 @@ def plan_job(job: Job, cell: Cell) -> PlannedJob:
             error.reason,
             what=f"{job.file}: {error.what}",
         ) from error
+    except CurveError as error:
+        raise CurveError(str(error), f"{job.file}") from error
     except ValueError as error:
         # what the files say is right by itself, but does not go together
         raise ConfigError(job.file, "", str(error)) from error
@@ -104,7 +109,7 @@ def run_job(
         SplinearmError: See ``Recorder`` and ``Loop.follow``.
     """
     cell, wanted = planned.cell, planned.plan
-    say = announce if announce is not None else _ignore
+    say = announce if announce is not None else _log.info
     guard = Guard(cell.arm.limits, Tolerances())
     recorder = Recorder(cell.arm.joint_names, cell.arm.limits.kinds, csv)
 
@@ -156,7 +161,3 @@ def _approach(
         f"{away[worst] / DEG:.1f} deg): approaching in {way.duration:.1f} s"
     )
     return loop.follow(way, stop)
-
-
-def _ignore(_: object) -> None:
-    """Say nothing."""

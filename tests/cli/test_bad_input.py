@@ -87,6 +87,14 @@ def test_a_waypoint_that_only_a_joint_limit_keeps_away_names_the_joint(cli):
     refused(cli, "plan", job, says=["job.toml", "waypoint 1", "elbow", "limit"])
 
 
+def test_blends_that_do_not_go_together_name_the_file_and_the_waypoint(cli):
+    job = cli.job(
+        ('through = "bspline"', 'through = "line"'),
+        ("[250.0, 250.0, 60.0]", "[250.0, 250.0, 60.0]\nblend_mm = 5.0"),
+    )
+    refused(cli, "plan", job, says=["job.toml", "waypoint 2", "blend of 5 mm"])
+
+
 def test_a_job_for_another_arm(cli):
     refused(cli, "run", cli.job(), "--arm", "koch_v1_1", says=["planar_2r", "koch_v1_1"])
 

@@ -1,6 +1,7 @@
 """The commands on good input."""
 
 import csv
+import os
 import re
 import signal
 import subprocess
@@ -139,6 +140,25 @@ def test_an_interrupted_run_stops_along_its_path_and_says_so(cli, number):
     assert "outcome: stopped" in out
     last = list(csv.DictReader(rows.read_text().splitlines()))[-1]
     assert float(last["joint1_wanted_rate_deg_s"]) == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.sim
+def test_a_run_that_is_stopped_on_its_way_to_the_start_says_just_that(cli, monkeypatch):
+    from splinearm.cli import output
+
+    say = output.console.print
+
+    def stop_at_once(*lines, **words):
+        say(*lines, **words)
+        if "approaching" in str(lines):
+            os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(output.console, "print", stop_at_once)
+    words = ("--csv", "rows.csv", "--plot", "run.png")
+    assert cli("run", cli.job(), *words) == INTERRUPTED
+    assert "stopped on the way to the start" in cli.out
+    assert "nan" not in cli.out
+    assert cli.files() == {"job.toml"}
 
 
 def test_help_and_version_are_there(cli):

@@ -8,7 +8,7 @@ import pytest
 
 from splinearm.control.clock import StepClock
 from splinearm.control.guard import Guard, Tolerances
-from splinearm.errors import BusTimeoutError
+from splinearm.errors import BusTimeoutError, PortError
 from splinearm.joints import JointKind, JointLimits, JointSetpoint, JointState
 
 
@@ -26,6 +26,7 @@ class IdealArm:
         self.lose_reads = 0
         self.stuck_from: float | None = None
         self.reads = 0
+        self.cut_off_from: int | None = None
 
     @property
     def n(self) -> int:
@@ -51,19 +52,26 @@ class IdealArm:
 
     def read(self) -> JointState:
         self.reads += 1
+        self._need_a_wire()
         first = self.lose_reads_from
         if first is not None and first <= self.reads < first + self.lose_reads:
             raise BusTimeoutError(2, "Present Position", port="nowhere", name="elbow")
         return JointState(t=self.now, q=self.q, qd=self.qd, current=np.full(self.n, np.nan))
 
     def write(self, setpoint: JointSetpoint) -> None:
+        self._need_a_wire()
         self.holding = False
         self.written.append(setpoint)
         if self.stuck_from is None or setpoint.t < self.stuck_from:
             self.q, self.qd = setpoint.q.copy(), setpoint.qd.copy()
 
     def hold(self) -> None:
+        self._need_a_wire()
         self.holding = True
+
+    def _need_a_wire(self) -> None:
+        if self.cut_off_from is not None and len(self.written) >= self.cut_off_from:
+            raise PortError("nowhere", "the connection is lost", "check the cable")
 
     def release(self) -> None:
         self.torque = False

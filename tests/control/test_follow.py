@@ -8,7 +8,13 @@ from splinearm.control.clock import StepClock
 from splinearm.control.follow import Loop, Outcome
 from splinearm.control.record import Cycle
 from splinearm.control.stop import StopRequest
-from splinearm.errors import FollowingError, LimitError, StaleFeedbackError, StartError
+from splinearm.errors import (
+    FollowingError,
+    LimitError,
+    MotionError,
+    StaleFeedbackError,
+    StartError,
+)
 from splinearm.trajectories.plan import plan_joint_move
 
 Q_GOAL = np.array([1.2, -1.4])
@@ -151,6 +157,20 @@ def test_an_arm_that_answers_no_more_is_stopped_along_its_path(arm, loops, limit
     np.testing.assert_allclose(arm.written[-1].qd, 0.0, atol=1e-9)
     assert_within(arm.written, limits)
     assert arm.holding
+
+
+def test_a_cable_that_is_pulled_is_a_fault_of_the_motion_and_named(arm, loops, motion):
+    arm.cut_off_from = 20
+    with pytest.raises(MotionError, match="told where to go: port nowhere: the connection is lost"):
+        loops.loop.follow(motion)
+    assert len(arm.written) == 20
+
+
+def test_a_cable_that_is_pulled_at_the_end_is_not_taken_for_a_finished_motion(arm, loops, motion):
+    last = int(np.ceil(motion.duration / 0.01 - 1e-9)) + 1
+    arm.cut_off_from = last
+    with pytest.raises(MotionError, match="told where to go: port nowhere"):
+        loops.loop.follow(motion)
 
 
 def test_an_arm_that_is_stuck_is_stopped_and_the_joint_named(arm, loops, motion):

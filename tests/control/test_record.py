@@ -58,6 +58,13 @@ def test_rows_are_on_disk_before_the_end(tmp_path):
         assert len(file.read_text().splitlines()) >= 100
 
 
+def test_a_run_without_a_cycle_leaves_no_file(tmp_path):
+    file = tmp_path / "run.csv"
+    with Recorder(NAMES, KINDS, file):
+        assert file.exists()
+    assert not file.exists()
+
+
 def test_a_file_that_is_there_is_not_overwritten(tmp_path):
     file = tmp_path / "run.csv"
     file.write_text("mine")

@@ -37,5 +37,6 @@ def run(args: argparse.Namespace) -> int:
     job = demo_job()
     planned = plan_job(job, load_cell(job.arm))
     result = carry_out(planned, "mujoco", csv=folder / "demo.csv", realtime=args.realtime)
-    draw(result, folder / "demo.png")
+    if result.recorder.cycles:
+        draw(result, folder / "demo.png")
     return exit_code(result)

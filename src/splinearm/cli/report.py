@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
 def print_report(result: "RunResult", csv: Path | None) -> None:
     """Print the errors of a run, the loop's timing, and where the rows are."""
+    if not result.recorder.cycles:
+        console.print("outcome: stopped on the way to the start; there is nothing to report")
+        return
     tracking, loop = result.tracking, result.loop
     rows = [
         ("tool off its path, commanded", *_in(tracking.path_commanded, MM), "mm"),

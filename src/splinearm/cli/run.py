@@ -50,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
         job = replace(job, rate=rate_of(args.rate))
     planned = plan_job(job, load_cell(job.arm))
     result = carry_out(planned, args.on, csv=args.csv, realtime=args.realtime)
-    if args.plot is not None:
+    if args.plot is not None and result.recorder.cycles:
         draw(result, args.plot)
     return exit_code(result)
 

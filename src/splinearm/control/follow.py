@@ -109,7 +109,7 @@ class _Run:
             if self.motion_t >= self.motion.duration and self._at_rest(setpoint, state):
                 break
             self.index += 1
-        self.loop.driver.hold()
+        self._hold()
         if self.fault is not None:
             raise self.fault
         return Outcome.STOPPED if self.stopping else Outcome.FINISHED
@@ -150,7 +150,7 @@ class _Run:
         if missed == 0:
             return
         self.index += missed
-        if missed > self.loop.bridge and not self.stopping:
+        if missed > self.loop.bridge:
             self._anchor(min(self.last_t + self.loop.period, self.motion.duration))
             self._stop(self._stale(lateness))
 
@@ -191,12 +191,24 @@ class _Run:
         since = 0 if self.written_index is None else self.index - self.written_index
         try:
             self.loop.guard.check(setpoint, since * self.loop.period)
-        except LimitError:
-            self.loop.driver.hold()
-            raise
-        self.loop.driver.write(setpoint)
+            self.loop.driver.write(setpoint)
+        except LimitError as error:
+            self._hold()
+            raise MotionError(str(error)) from error
+        except BusError as error:
+            # no word reaches the arm any more: what it does now is up to its own watchdog
+            raise _cut_off(error) from error
         self.last_t = self.motion_t
         self.written_index = self.index
+
+    def _hold(self) -> None:
+        """Hold; an arm that cannot be told to is a fault, unless there is one already."""
+        try:
+            self.loop.driver.hold()
+        except BusError as error:
+            _log.warning("the arm could not be told to hold: %s", error)
+            if self.fault is None:
+                self.fault = _cut_off(error)
 
     def _anchor(self, t: float) -> None:
         self.anchor_index, self.anchor_t = self.index, t
@@ -228,3 +240,10 @@ class _Run:
         except MotionError as error:
             self.fault = error
         return True
+
+
+def _cut_off(error: BusError) -> MotionError:
+    """Give the fault of an arm that no word reaches any more."""
+    fault = MotionError(f"the arm can no longer be told where to go: {error}")
+    fault.__cause__ = error
+    return fault

@@ -12,6 +12,8 @@ from splinearm.units import DEG
 
 # rounding, and the half period by which a setpoint may be sampled late: not a margin to use up
 _SLACK = 1e-6
+# share by which the mean rate between two setpoints may seem above a limit: cycle times are rounded
+_STEP_SLACK = 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -170,7 +172,7 @@ class Guard:
         limit: FloatArray,
         t: float,
     ) -> None:
-        over = np.abs(value) > limit * (1.0 + 1e-3)
+        over = np.abs(value) > limit * (1.0 + _STEP_SLACK)
         if over.any():
             i = int(np.argmax(over))
             raise LimitError(

@@ -50,7 +50,7 @@ class Recorder:
         Args:
             names: Names of the joints.
             kinds: How each moves, for the columns' units.
-            file: Where to write; it must not be there yet.
+            file: Where to write; it must not be there yet, and without a cycle it will not be.
 
         Raises:
             ConfigError: If the file is there already or cannot be written.
@@ -95,6 +95,8 @@ class Recorder:
     ) -> None:
         if self._file is not None:
             self._file.close()
+            if not self.cycles:
+                Path(self._file.name).unlink()
 
     def __call__(self, cycle: Cycle) -> None:
         """Keep one cycle."""
