@@ -81,10 +81,16 @@ def test_an_arm_of_ones_own_runs_like_a_shipped_one(cli):
 def test_a_run_on_the_virtual_bus_goes_through_servos(cli):
     assert cli("run", cli.job(), "--on", "virtual", "--csv", "rows.csv") == DONE
     assert re.search(r"virtual servos on /dev/pts/\d+", cli.out)
-    assert re.search(r"loop: \d+ cycles at 100 Hz, 0 missed, 0 unanswered", cli.out)
+    said = re.search(r"loop: (\d+) cycles at 100 Hz, (\d+) missed, (\d+) unanswered", cli.out)
+    assert said is not None
+    cycles, missed, unanswered = map(int, said.groups())
     rows = list(csv.DictReader((cli.folder / "rows.csv").read_text().splitlines()))
     assert float(rows[-1]["joint2_measured_deg"]) == pytest.approx(60.0, abs=2.0)
     assert rows[0]["joint1_current_a"] != ""
+    # a cycle that a busy computer misses is told, and leaves a gap in the rows
+    assert len(rows) == cycles
+    assert int(rows[-1]["cycle"]) + 1 == cycles + missed
+    assert sum(row["joint1_measured_deg"] == "" for row in rows) == unanswered
 
 
 def _start(*words, **more):

@@ -71,6 +71,17 @@ def test_a_motion_takes_as_many_cycles_as_it_lasts(loops, motion):
     assert [cycle.index for cycle in loops.cycles] == list(range(len(loops.cycles)))
 
 
+def test_no_garbage_is_collected_while_the_arm_moves(arm, clock, guard, motion):
+    import gc
+
+    seen = []
+    loop = Loop(driver=arm, clock=clock, guard=guard, observe=lambda _: seen.append(gc.isenabled()))
+    loop.follow(motion)
+    assert seen
+    assert not any(seen)
+    assert gc.isenabled()
+
+
 def test_each_cycle_reads_before_it_writes(arm, loops, motion):
     loops.loop.follow(motion)
     assert arm.reads == len(arm.written) + 1

@@ -16,6 +16,7 @@ from splinearm.joints import JointSetpoint, JointState
 from splinearm.trajectories.trajectory import JointTrajectory
 
 from .clock import Clock
+from .collector import collector_suspended
 from .guard import Guard
 from .record import Cycle
 from .stop import StopRequest
@@ -77,7 +78,7 @@ class Loop:
         """
         self.guard.admit(trajectory, self.period)
         self.guard.begin(trajectory, self.driver.read(), self.driver.goal)
-        with stop if stop is not None else StopRequest() as request:
+        with collector_suspended(), stop if stop is not None else StopRequest() as request:
             return _Run(self, trajectory, request).to_end()
 
 
