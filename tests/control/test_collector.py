@@ -5,11 +5,16 @@ import pytest
 from splinearm.control.collector import collector_suspended
 
 
-def test_the_collector_rests_inside_and_runs_again_after_also_after_an_error():
-    assert gc.isenabled()
-    with pytest.raises(RuntimeError), collector_suspended():
+def fail_inside():
+    with collector_suspended():
         assert not gc.isenabled()
         raise RuntimeError
+
+
+def test_the_collector_rests_inside_and_runs_again_after_also_after_an_error():
+    assert gc.isenabled()
+    with pytest.raises(RuntimeError):
+        fail_inside()
     assert gc.isenabled()
 
 
