@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .control.guard import Guard as Guard
     from .control.guard import Tolerances as Tolerances
     from .control.record import Recorder as Recorder
+    from .curves.bspline import BSpline as BSpline
     from .errors import SplinearmError as SplinearmError
     from .joints import JointLimits as JointLimits
     from .joints import JointSetpoint as JointSetpoint
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from .kinematics.pose import Pose as Pose
     from .runner import plan_job as plan_job
     from .runner import run_job as run_job
-    from .trajectories.bspline import BSpline as BSpline
     from .trajectories.plan import plan as plan
     from .trajectories.trajectory import JointTrajectory as JointTrajectory
     from .trajectories.waypoint import Move as Move
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "Arm": "kinematics.arm",
-    "BSpline": "trajectories.bspline",
+    "BSpline": "curves.bspline",
     "DHConvention": "kinematics.dh",
     "DHLink": "kinematics.dh",
     "Guard": "control.guard",

@@ -3,10 +3,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from splinearm.curves.bspline import BSpline
+from splinearm.curves.hermite import quintic_pieces, quintic_spline
+from splinearm.curves.interpolation import interpolate
 from splinearm.errors import CurveError
-from splinearm.trajectories.bspline import BSpline
-from splinearm.trajectories.hermite import quintic_pieces, quintic_spline
-from splinearm.trajectories.interpolation import interpolate
 from splinearm.trajectories.joint_path import JointPath
 
 

@@ -3,9 +3,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from splinearm.curves.interpolation import interpolate
 from splinearm.trajectories import timing
 from splinearm.trajectories.constraint import SpeedCap
-from splinearm.trajectories.interpolation import interpolate
 from splinearm.trajectories.joint_path import JointPath
 from splinearm.trajectories.leg import straight_path
 from splinearm.trajectories.time_law import TimeLaw

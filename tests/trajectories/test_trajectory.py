@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from splinearm.trajectories.bspline import BSpline
-from splinearm.trajectories.interpolation import interpolate
+from splinearm.curves.bspline import BSpline
+from splinearm.curves.interpolation import interpolate
 from splinearm.trajectories.joint_path import JointPath
 from splinearm.trajectories.leg import straight_path
 from splinearm.trajectories.peak import peaks

@@ -2,7 +2,7 @@
 
 import math
 
-from .compiled import kernel
+from splinearm.compiled import kernel
 
 _HALF = 0.5 * math.pi
 _QUARTER = 0.25 * math.pi

@@ -15,8 +15,8 @@ import math
 import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.compiled import fast_kernel
 
-from .compiled import fast_kernel
 from .sine_kernel import LARGEST, sincos
 
 BLOCK = 64

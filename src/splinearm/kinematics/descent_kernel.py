@@ -10,8 +10,7 @@ from math import atan2, cos, sin, sqrt
 import numpy as np
 
 from splinearm.arrays import FloatArray
-
-from .compiled import kernel
+from splinearm.compiled import kernel
 
 # the constants of module descent, each explained there
 _POLISH = 1e-3

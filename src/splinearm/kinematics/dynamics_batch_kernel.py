@@ -11,9 +11,9 @@ import math
 import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.compiled import fast_kernel
 
 from .batch_kernel import BLOCK
-from .compiled import fast_kernel
 from .dynamics_kernel import (
     BODY,
     DRIVE,

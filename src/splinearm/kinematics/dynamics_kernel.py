@@ -19,8 +19,8 @@ from typing import TypeAlias
 import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.compiled import fast_kernel
 
-from .compiled import fast_kernel
 from .forward_kernel import joint
 
 BODY = 13

@@ -8,8 +8,8 @@ import math
 import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.compiled import kernel
 
-from .compiled import kernel
 from .hobby_kernel import level, pitched, pointed, whole
 from .subproblem_kernel import product, wrap
 

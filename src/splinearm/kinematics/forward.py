@@ -64,8 +64,9 @@ def load() -> None:
 def load_single() -> Single:
     """Load the entries of single calls and give them."""
     if LOADED.single is None:
+        from splinearm.compiled import entry, inputs, outputs
+
         from . import forward_kernel
-        from .compiled import entry, inputs, outputs
 
         LOADED.single = Single(
             entry(forward_kernel.fk_call, *inputs(2, 1), *outputs(2)),
@@ -83,8 +84,9 @@ def bare(O: FloatArray) -> Bare:
 def load_batch() -> ModuleType:
     """Load the kernels of batches and give their module."""
     if LOADED.batch is None:
+        from splinearm.compiled import entry, inputs, outputs
+
         from . import batch_kernel
-        from .compiled import entry, inputs, outputs
 
         entry(batch_kernel.fk_batch_into, *inputs(2, 2), *outputs(3))
         entry(batch_kernel.frames_batch_into, *inputs(2, 2, 2), *outputs(4))

@@ -8,8 +8,8 @@ import math
 from typing import TypeAlias
 
 from splinearm.arrays import FloatArray
+from splinearm.compiled import fast_kernel
 
-from .compiled import fast_kernel
 from .sine_kernel import sine_and_cosine
 
 Sweep: TypeAlias = tuple[

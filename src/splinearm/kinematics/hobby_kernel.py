@@ -9,8 +9,8 @@ pose of the tool in the last row's frame. An arm of four joints has ``five`` Fal
 import math
 
 from splinearm.arrays import FloatArray
+from splinearm.compiled import kernel
 
-from .compiled import kernel
 from .parallel_kernel import planar_three
 from .subproblem_kernel import circle, turn
 

@@ -13,9 +13,9 @@ import math
 import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.compiled import kernel
 
 from .angle_kernel import arctan2
-from .compiled import kernel
 from .subproblem_kernel import inverse, product, turn, wrap
 from .wrist_kernel import place
 

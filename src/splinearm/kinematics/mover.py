@@ -18,9 +18,10 @@ class Mover(NamedTuple):
 @cache
 def load_mover() -> Mover:
     """Load the kernels, compiling them if need be."""
+    from splinearm.compiled import entry, inputs, outputs
+
     from . import dynamics_batch_kernel as batch
     from . import dynamics_kernel as single
-    from .compiled import entry, inputs, outputs
 
     return Mover(
         entry(single.inverse_call, *inputs(2, 1, 1, 1), *outputs(1)),

@@ -9,8 +9,8 @@ the pose of the last row's frame in the first's.
 import math
 
 from splinearm.arrays import FloatArray
+from splinearm.compiled import kernel
 
-from .compiled import kernel
 from .subproblem_kernel import circle, turn
 
 _STRAIGHT = 1e-10

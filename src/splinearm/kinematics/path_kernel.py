@@ -9,8 +9,8 @@ from math import cos, sin, sqrt
 import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.compiled import kernel
 
-from .compiled import kernel
 from .descent_kernel import Workspace, descend, rotation_vector, workspace
 from .search_kernel import distances
 

@@ -10,8 +10,8 @@ import math
 import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.compiled import kernel
 
-from .compiled import kernel
 from .subproblem_kernel import turn
 
 _OFF_CIRCLE = 1e-4

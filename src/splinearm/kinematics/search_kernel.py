@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from splinearm.arrays import FloatArray
+from splinearm.compiled import kernel
 
-from .compiled import kernel
 from .descent_kernel import Workspace, look
 from .descent_kernel import descend as descend
 from .descent_kernel import workspace as workspace

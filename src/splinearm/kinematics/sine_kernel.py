@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from .compiled import fast_kernel
+from splinearm.compiled import fast_kernel
 
 LARGEST = 1e5
 """Largest angle, rad, that `sincos` takes: beyond it the argument reduction loses digits."""

@@ -11,8 +11,8 @@ by those modules instead.
 import math
 
 from splinearm.arrays import FloatArray
+from splinearm.compiled import fast_kernel
 
-from .compiled import fast_kernel
 from .subproblem_kernel import SLACK
 
 WIDTH = 32

@@ -11,9 +11,9 @@ import math
 import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.compiled import fast_kernel, kernel
 
 from .angle_kernel import arctan2
-from .compiled import fast_kernel, kernel
 from .parallel_kernel import ur
 from .six_block_kernel import ANGLES, WIDTH, enter, shoulder, spherical, three_parallel
 from .subproblem_kernel import inverse, product, wrap

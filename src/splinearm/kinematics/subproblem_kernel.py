@@ -10,8 +10,7 @@ functions here, and 2 (two axes that meet) is one after the other.
 import math
 
 from splinearm.arrays import FloatArray
-
-from .compiled import kernel
+from splinearm.compiled import kernel
 
 FREE = 1e-10
 """Below this share of its size an equation says nothing of its joint."""

@@ -8,8 +8,8 @@ cosine and sine of every joint in a row.
 import math
 
 from splinearm.arrays import FloatArray
+from splinearm.compiled import kernel
 
-from .compiled import kernel
 from .quartic_kernel import pieper
 from .subproblem_kernel import circle, turn
 

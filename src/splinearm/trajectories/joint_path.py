@@ -6,11 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.curves import basis
+from splinearm.curves.basis import IndexArray
+from splinearm.curves.bspline import BSpline
 from splinearm.errors import CurveError
-
-from . import basis
-from .basis import IndexArray
-from .bspline import BSpline
 
 _ROUNDING = 1e-13
 """Moves below this share of the joints' positions are rounding."""

@@ -8,16 +8,16 @@ from itertools import pairwise
 import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.curves.bspline import BSpline
+from splinearm.curves.corner import rounded_polyline
+from splinearm.curves.nearest import SpaceCurve
 from splinearm.errors import CurveError
 from splinearm.kinematics import chain
 from splinearm.kinematics.arm import Arm
 
 from . import timing
-from .bspline import BSpline
 from .constraint import SpeedCap
-from .corner import rounded_polyline
 from .joint_path import JointPath
-from .nearest import SpaceCurve
 from .path import CartesianPath, check_blends, is_straight, line_path, spline_path, steps_between
 from .place import Place, tool_places
 from .reach import PathLabels

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from splinearm.arrays import ArrayInput, FloatArray, frozen_array
+from splinearm.curves.corner import ramp
 from splinearm.kinematics import quaternion
 
 from . import rotation_spline
-from .corner import ramp
 from .turning import OrientationCurve as OrientationCurve
 from .turning import Turning, equal_signs, inside
 

@@ -11,13 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from splinearm.arrays import ArrayInput, FloatArray
+from splinearm.curves.bspline import BSpline
+from splinearm.curves.corner import rounded_polyline
+from splinearm.curves.interpolation import interpolate
+from splinearm.curves.nearest import distance_to_curves
 from splinearm.errors import CurveError
 from splinearm.kinematics import quaternion
 
-from .bspline import BSpline
-from .corner import rounded_polyline
-from .interpolation import interpolate
-from .nearest import distance_to_curves
 from .orientation import RotationPolyline, interpolate_orientations
 from .turning import OrientationCurve
 

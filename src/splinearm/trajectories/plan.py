@@ -7,14 +7,14 @@ from math import inf
 import numpy as np
 
 from splinearm.arrays import ArrayInput, FloatArray, frozen_array
+from splinearm.curves.bspline import BSpline
+from splinearm.curves.nearest import SpaceCurve
 from splinearm.joints import JointLimits
 from splinearm.kinematics.arm import Arm
 
 from . import peak, place, timing
-from .bspline import BSpline
 from .joint_path import JointPath
 from .leg import Leg, joint_legs, line_legs, spline_leg, straight_path
-from .nearest import SpaceCurve
 from .peak import LimitPeak as LimitPeak
 from .place import Place, Start
 from .resolve import Tolerance

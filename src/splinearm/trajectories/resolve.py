@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.curves.basis import IndexArray
+from splinearm.curves.hermite import Jet, quintic_pieces, quintic_spline
 from splinearm.kinematics.arm import Arm
 
 from . import task
-from .basis import IndexArray
-from .hermite import Jet, quintic_pieces, quintic_spline
 from .joint_path import JointPath
 from .path import TURN_ARM, CartesianPath
 from .reach import PathLabels, refuse_jump, refuse_limit, refuse_unreachable

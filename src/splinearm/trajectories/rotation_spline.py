@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from splinearm.arrays import ArrayInput, FloatArray
+from splinearm.curves import banded, basis
+from splinearm.curves.hermite import Jet, quintic_pieces
 from splinearm.kinematics import quaternion
 
-from . import banded, basis
-from .hermite import Jet, quintic_pieces
 from .turning import Turning, equal_signs, inside
 
 _SWEEPS = 30

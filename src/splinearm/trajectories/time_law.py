@@ -6,8 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from splinearm.arrays import FloatArray
-
-from .basis import IndexArray
+from splinearm.curves.basis import IndexArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)

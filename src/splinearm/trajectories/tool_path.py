@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from splinearm.arrays import ArrayInput, FloatArray, frozen_array
+from splinearm.curves.nearest import Chords, SpaceCurve, chords_of, distance_to_curves
 from splinearm.kinematics import chain
 from splinearm.kinematics.arm import Arm
 
 from .joint_path import JointPath
-from .nearest import Chords, SpaceCurve, chords_of, distance_to_curves
 
 
 @dataclass(frozen=True, slots=True, eq=False)

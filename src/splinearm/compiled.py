@@ -29,7 +29,11 @@ Never ``reassoc``, which would undo the exact argument reduction of sine and cos
 which would let a number that is not finite pass its check.
 """
 
+_ROOT = Path(__file__).parent
+
 _SIBLING = re.compile(r"^from \.(\w+) import", re.MULTILINE)
+
+_NEIGHBOUR = re.compile(r"^from splinearm\.([\w.]+) import", re.MULTILINE)
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -67,8 +71,10 @@ def _stamp(file: Path) -> str:
         at = waiting.pop()
         if at not in files and at.exists():
             files.add(at)
-            names = _SIBLING.findall(at.read_text(encoding="utf-8"))
-            waiting += [at.with_name(f"{name}.py") for name in names]
+            source = at.read_text(encoding="utf-8")
+            waiting += [at.with_name(f"{name}.py") for name in _SIBLING.findall(source)]
+            names = [name.replace(".", "/") for name in _NEIGHBOUR.findall(source)]
+            waiting += [_ROOT / f"{name}.py" for name in names]
     stats = [(str(f), f.stat().st_mtime_ns, f.stat().st_size) for f in sorted(files)]
     return hashlib.sha256(repr((stats, numba.__version__)).encode()).hexdigest()
 

@@ -4,9 +4,9 @@ import scipy.interpolate
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from splinearm.curves import banded
+from splinearm.curves.interpolation import EndDerivatives, choose_parameters, interpolate
 from splinearm.errors import CurveError
-from splinearm.trajectories import banded
-from splinearm.trajectories.interpolation import EndDerivatives, choose_parameters, interpolate
 
 
 @st.composite

@@ -4,9 +4,9 @@ import scipy.interpolate
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from splinearm.curves import basis
+from splinearm.curves.bspline import BSpline
 from splinearm.errors import CurveError
-from splinearm.trajectories import basis
-from splinearm.trajectories.bspline import BSpline
 
 
 @st.composite

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from splinearm.kinematics import compiled
+from splinearm import compiled
 
 # every kernel on small, hard cases: turning and sliding joints, large angles, a half-full block
 ALL_KERNELS = """
@@ -100,7 +100,7 @@ def test_a_kernel_is_stale_when_a_file_it_imports_from_changes(tmp_path):
 
 
 def test_an_entry_refuses_what_it_is_not_compiled_for():
-    from splinearm.kinematics.compiled import entry, inputs, kernel, outputs
+    from splinearm.compiled import entry, inputs, kernel, outputs
 
     both = entry(kernel(_copy), *inputs(1), *outputs(1))
     out = np.zeros(2)

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from splinearm.trajectories.corner import ramp, rounded_polyline
+from splinearm.curves.corner import ramp, rounded_polyline
 
 
 @st.composite
