@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from splinearm.backends import Station
-from splinearm.config import Cell, Job
+from splinearm.config import Cell, Job, SavedMotion
 from splinearm.control.follow import Loop, Outcome
 from splinearm.control.guard import Guard, Tolerances
 from splinearm.control.record import Cycle, Recorder
@@ -16,6 +16,7 @@ from splinearm.control.report import LoopReport, TrackingReport, report_loop, re
 from splinearm.control.stop import StopRequest
 from splinearm.errors import ConfigError, CurveError, UnreachableError
 from splinearm.trajectories.plan import Plan, plan, plan_joint_move
+from splinearm.trajectories.tool_path import carried_tool_path
 from splinearm.units import DEG
 
 _log = logging.getLogger(__name__)
@@ -86,6 +87,42 @@ def plan_job(job: Job, cell: Cell) -> PlannedJob:
         # what the files say is right by itself, but does not go together
         raise ConfigError(job.file, "", str(error)) from error
     return PlannedJob(job, cell, motion)
+
+
+def plan_motion(saved: SavedMotion, cell: Cell, file: Path, rate: float = 100.0) -> PlannedJob:
+    """Give a saved motion as a job whose plan is that motion.
+
+    Args:
+        saved: The motion.
+        cell: The arm that shall move.
+        file: Where the motion was read, for messages.
+        rate: Setpoints a second, Hz.
+
+    Raises:
+        ConfigError: If the motion is for other joints.
+    """
+    trajectory = saved.trajectory
+    if trajectory.limits.names != cell.arm.limits.names:
+        raise ConfigError(
+            file,
+            "joints",
+            f"is for {', '.join(trajectory.limits.names)}; the arm has "
+            f"{', '.join(cell.arm.limits.names)}",
+        )
+    job = Job(
+        name=file.stem,
+        title=f"motion {file.name}",
+        file=file,
+        arm=cell.file,
+        q_start=trajectory.q_start,
+        waypoints=(),
+        closed=False,
+        limits_share=1.0,
+        rate=rate,
+        position_tolerance=0.0,
+    )
+    tool_path = carried_tool_path(cell.arm, trajectory)
+    return PlannedJob(job, cell, Plan(trajectory, tool_path, np.empty(0)))
 
 
 def run_job(

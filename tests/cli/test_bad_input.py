@@ -179,3 +179,13 @@ def test_errors_leave_no_thread_behind(cli):
     before = threading.active_count()
     cli("run", "nothing.toml")
     assert threading.active_count() == before
+
+
+def test_a_motion_that_cannot_be_carried_out(cli):
+    refused(cli, "run", "none.json", says=["none.json", "cannot be read"])
+    refused(cli, "plan", cli.job(), "--save", "m.txt", says=["m.txt", ".ros.json"])
+    cli("plan", cli.job(), "--save", "m.ros.json")
+    refused(cli, "run", "m.ros.json", says=["m.ros.json", "name the arm"])
+    cli("plan", cli.job(), "--save", "m.json")
+    refused(cli, "run", "m.json", "--arm", "wx250s", says=["m.json", "joint1", "waist"])
+    refused(cli, "plan", cli.job(), "--save", "m.json", says=["m.json", "is there already"])

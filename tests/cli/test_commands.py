@@ -173,3 +173,23 @@ def test_help_and_version_are_there(cli):
         assert word in cli.out
     assert cli("--version") == DONE
     assert re.match(r"splinearm \d+\.\d+", cli.out)
+
+
+@pytest.mark.sim
+def test_a_planned_motion_is_kept_and_carried_out_later(cli):
+    assert cli("plan", cli.job(), "--save", "motion.json") == DONE
+    assert "motion: motion.json" in cli.out
+    assert "what holds it back" in cli.out
+    assert cli("run", "motion.json", "--csv", "rows.csv") == DONE
+    assert "outcome: finished" in cli.out
+    assert figure(cli.out, "tool off its path, commanded", 1) <= 1e-3
+    rows = list(csv.DictReader((cli.folder / "rows.csv").read_text().splitlines()))
+    assert float(rows[-1]["joint2_wanted_deg"]) == pytest.approx(60.0)
+
+
+def test_a_motion_is_kept_as_rows_at_a_rate(cli):
+    assert cli("plan", cli.job(), "--save", "motion.csv", "--rate", "20") == DONE
+    rows = list(csv.DictReader((cli.folder / "motion.csv").read_text().splitlines()))
+    assert float(rows[1]["t_s"]) == pytest.approx(0.05)
+    assert float(rows[-1]["joint2_deg"]) == pytest.approx(60.0)
+    assert float(rows[-1]["joint2_deg_s"]) == 0.0

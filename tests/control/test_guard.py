@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from splinearm.control.guard import Guard, Tolerances
-from splinearm.errors import FollowingError, LimitError, StartError
+from splinearm.errors import FollowingError, LimitError, StartError, TrajectoryError
 from splinearm.joints import JointKind, JointLimits, JointSetpoint, JointState
 from splinearm.trajectories.plan import plan_joint_move
 
@@ -105,3 +105,12 @@ def test_tolerances_refuse_a_number_that_is_not_above_zero():
         Tolerances(path=0.0)
     with pytest.raises(ValueError, match="lag: want a time of at least zero"):
         Tolerances(lag=-0.1)
+
+
+def test_a_part_of_a_motion_that_begins_or_ends_moving_is_refused(guard, limits):
+    motion = plan_joint_move(limits, np.zeros(2), np.array([1.5, -2.0]))
+    first, second = motion.split(0.5 * motion.duration)
+    with pytest.raises(TrajectoryError, match="the motion ends while joints move"):
+        guard.admit(first, 0.01)
+    with pytest.raises(TrajectoryError, match="the motion begins while joints move"):
+        guard.admit(second, 0.01)

@@ -5,9 +5,14 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from splinearm.curves.interpolation import interpolate
 from splinearm.joints import JointKind, JointLimits
 from splinearm.kinematics.arm import Arm
 from splinearm.kinematics.dh import DHConvention, DHLink
+from splinearm.trajectories.joint_path import JointPath
+from splinearm.trajectories.leg import straight_path
+from splinearm.trajectories.section import Section
+from splinearm.trajectories.timing import quickest
 from splinearm.trajectories.trajectory import JointTrajectory
 
 
@@ -88,3 +93,21 @@ def worst_use() -> Callable[[JointTrajectory, int], float]:
         return float(max(velocity.max(), (np.abs(qdd) / limits.qdd_max).max()))
 
     return use
+
+
+@pytest.fixture(scope="session")
+def make_motion() -> Callable[..., JointTrajectory]:
+    """Gives motions of a curved section, a rest, and a straight section back."""
+
+    def motion(seed: int, dwell: float = 0.0, n: int = 4) -> JointTrajectory:
+        rng = np.random.default_rng(seed)
+        limits = _limits(rng.uniform(0.5, 3.0, n), rng.uniform(1.0, 15.0, n))
+        path = JointPath(interpolate(rng.uniform(-2.0, 2.0, (6, n)), parameters="uniform"))
+        back = straight_path(path.at(path.domain[1])[0], path.at(path.domain[0])[0])
+        sections = (
+            Section(path, quickest(path, limits), dwell),
+            Section(back, quickest(back, limits)),
+        )
+        return JointTrajectory(sections, path.at(path.domain[0])[0], limits)
+
+    return motion

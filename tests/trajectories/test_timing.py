@@ -8,9 +8,10 @@ from splinearm.trajectories import timing
 from splinearm.trajectories.constraint import SpeedCap
 from splinearm.trajectories.joint_path import JointPath
 from splinearm.trajectories.leg import straight_path
+from splinearm.trajectories.section import Section
 from splinearm.trajectories.time_law import TimeLaw
 from splinearm.trajectories.timing import quickest
-from splinearm.trajectories.trajectory import JointTrajectory, Section
+from splinearm.trajectories.trajectory import JointTrajectory
 
 
 @st.composite

@@ -4,34 +4,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from splinearm.curves.bspline import BSpline
-from splinearm.curves.interpolation import interpolate
 from splinearm.trajectories.joint_path import JointPath
 from splinearm.trajectories.leg import straight_path
 from splinearm.trajectories.peak import peaks
+from splinearm.trajectories.section import Section
 from splinearm.trajectories.time_law import TimeLaw
 from splinearm.trajectories.timing import quickest
-from splinearm.trajectories.trajectory import JointTrajectory, Section
+from splinearm.trajectories.trajectory import JointTrajectory
 from splinearm.trajectories.travel import tool_travel
-
-
-def motion_of(seed, make_limits, dwell=0.0, n=4):
-    """A curved section, a rest, and a straight section back."""
-    rng = np.random.default_rng(seed)
-    limits = make_limits(rng.uniform(0.5, 3.0, n), rng.uniform(1.0, 15.0, n))
-    path = JointPath(interpolate(rng.uniform(-2.0, 2.0, (6, n)), parameters="uniform"))
-    back = straight_path(path.at(path.domain[1])[0], path.at(path.domain[0])[0])
-    sections = (
-        Section(path, quickest(path, limits), dwell),
-        Section(back, quickest(back, limits)),
-    )
-    return JointTrajectory(sections, path.at(path.domain[0])[0], limits)
 
 
 @pytest.mark.property
 @settings(max_examples=15, deadline=None)
 @given(seed=st.integers(0, 9999), dwell=st.sampled_from([0.0, 0.4]))
-def test_velocity_and_acceleration_are_those_of_differences(seed, dwell, make_limits):
-    motion = motion_of(seed, make_limits, dwell)
+def test_velocity_and_acceleration_are_those_of_differences(seed, dwell, make_motion):
+    motion = make_motion(seed, dwell)
     nodes = np.concatenate(
         [start + part.law.t for start, part in zip(motion.starts, motion.sections, strict=True)]
     )
@@ -46,8 +33,8 @@ def test_velocity_and_acceleration_are_those_of_differences(seed, dwell, make_li
 @pytest.mark.property
 @settings(max_examples=15, deadline=None)
 @given(seed=st.integers(0, 9999), dwell=st.sampled_from([0.0, 0.4]))
-def test_one_moment_is_what_a_sample_gives(seed, dwell, make_limits):
-    motion = motion_of(seed, make_limits, dwell)
+def test_one_moment_is_what_a_sample_gives(seed, dwell, make_motion):
+    motion = make_motion(seed, dwell)
     ts = np.concatenate((np.linspace(-0.1, motion.duration + 0.1, 77), motion.starts))
     for t, *row in zip(ts, *motion.sample(ts), strict=True):
         setpoint = motion.at(float(t))
@@ -56,8 +43,8 @@ def test_one_moment_is_what_a_sample_gives(seed, dwell, make_limits):
             assert np.allclose(have, want, atol=1e-9)
 
 
-def test_the_ends_are_held_outside_the_motion(make_limits):
-    motion = motion_of(1, make_limits)
+def test_the_ends_are_held_outside_the_motion(make_motion):
+    motion = make_motion(1)
     for t, q in ((-1.0, motion.q_start), (motion.duration, motion.q_goal), (1e6, motion.q_goal)):
         setpoint = motion.at(t)
         assert np.array_equal(setpoint.q, q)
@@ -66,8 +53,8 @@ def test_the_ends_are_held_outside_the_motion(make_limits):
     assert motion.n == 4
 
 
-def test_the_arm_rests_during_a_dwell(make_limits):
-    motion = motion_of(2, make_limits, dwell=0.5)
+def test_the_arm_rests_during_a_dwell(make_motion):
+    motion = make_motion(2, dwell=0.5)
     end = motion.sections[0].law.duration
     assert motion.starts[1] == pytest.approx(end + 0.5)
     for t in end + np.array([0.0, 0.1, 0.499]):
@@ -81,8 +68,8 @@ def test_the_arm_rests_during_a_dwell(make_limits):
 @pytest.mark.property
 @settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 9999), share=st.floats(0.0, 1.0), dwell=st.sampled_from([0.0, 0.3]))
-def test_a_stop_keeps_limits_and_path_and_ends_at_rest(seed, share, dwell, make_limits, worst_use):
-    motion = motion_of(seed, make_limits, dwell)
+def test_a_stop_keeps_limits_and_path_and_ends_at_rest(seed, share, dwell, make_motion, worst_use):
+    motion = make_motion(seed, dwell)
     t = share * motion.duration
     stop = motion.stop_from(t)
     now, first = motion.at(t), stop.at(0.0)
@@ -106,8 +93,8 @@ def test_a_stop_keeps_limits_and_path_and_ends_at_rest(seed, share, dwell, make_
 @pytest.mark.property
 @settings(max_examples=10, deadline=None)
 @given(seed=st.integers(0, 9999), share=st.floats(0.05, 0.95))
-def test_a_stop_brakes_as_hard_as_the_limits_allow(seed, share, make_limits):
-    motion = motion_of(seed, make_limits)
+def test_a_stop_brakes_as_hard_as_the_limits_allow(seed, share, make_motion):
+    motion = make_motion(seed)
     stop = motion.stop_from(share * motion.duration)
     if stop.duration < 1e-3:
         return
@@ -128,22 +115,22 @@ def test_a_straight_stop_takes_speed_over_acceleration(make_limits):
     assert way[1] == pytest.approx(-way[0] / 3.0)
 
 
-def test_a_stop_just_after_the_start_is_short(make_limits):
-    motion = motion_of(3, make_limits)
+def test_a_stop_just_after_the_start_is_short(make_motion):
+    motion = make_motion(3)
     for t in (1e-4, 1e-3, 1e-2):
         assert motion.stop_from(t).duration <= 2.0 * t
 
 
-def test_a_stop_can_be_stopped_again(make_limits, worst_use):
-    motion = motion_of(4, make_limits)
+def test_a_stop_can_be_stopped_again(make_motion, worst_use):
+    motion = make_motion(4)
     stop = motion.stop_from(0.4 * motion.duration)
     again = stop.stop_from(0.3 * stop.duration)
     assert again.duration == pytest.approx(0.7 * stop.duration, rel=0.05)
     assert worst_use(again, 500) <= 1.0 + 1e-9
 
 
-def test_before_the_start_and_after_the_end_a_stop_takes_no_time(make_limits):
-    motion = motion_of(5, make_limits)
+def test_before_the_start_and_after_the_end_a_stop_takes_no_time(make_motion):
+    motion = make_motion(5)
     for t in (-1.0, 0.0, motion.duration, motion.duration + 5.0):
         stop = motion.stop_from(t)
         assert stop.duration == 0.0
@@ -163,8 +150,8 @@ def test_a_motion_without_sections_stays(make_limits):
     assert [peak.value for peak in peaks(motion)] == [0.3, 0.0, 0.0]
 
 
-def test_a_scaled_motion_is_the_same_but_slower(make_limits):
-    motion = motion_of(6, make_limits, dwell=0.5)
+def test_a_scaled_motion_is_the_same_but_slower(make_motion):
+    motion = make_motion(6, dwell=0.5)
     slow = motion.scaled(0.25)
     moving = motion.duration - 0.5
     assert slow.duration == pytest.approx(4.0 * moving + 0.5)
@@ -178,8 +165,8 @@ def test_a_scaled_motion_is_the_same_but_slower(make_limits):
 
 
 @pytest.mark.parametrize("t", [float("nan"), float("inf"), -float("inf")])
-def test_a_time_must_be_a_finite_number(t, make_limits):
-    motion = motion_of(7, make_limits)
+def test_a_time_must_be_a_finite_number(t, make_motion):
+    motion = make_motion(7)
     for ask in (motion.at, motion.stop_from, lambda t: motion.sample([t])):
         with pytest.raises(ValueError, match="finite"):
             ask(t)
@@ -188,8 +175,8 @@ def test_a_time_must_be_a_finite_number(t, make_limits):
 @pytest.mark.property
 @settings(max_examples=10, deadline=None)
 @given(seed=st.integers(0, 9999))
-def test_peaks_are_the_largest_values_of_a_dense_sample(seed, make_limits):
-    motion = motion_of(seed, make_limits)
+def test_peaks_are_the_largest_values_of_a_dense_sample(seed, make_limits, make_motion):
+    motion = make_motion(seed)
     limits = make_limits(motion.limits.qd_max, motion.limits.qdd_max, [4.0] * 4)
     motion = JointTrajectory(motion.sections, motion.q_start, limits)
     found = peaks(motion)
@@ -223,8 +210,8 @@ def test_the_travel_of_the_tool_is_its_way(arm_2r):
         tool_travel(arm_2r, motion, 0.3, 0.2)
 
 
-def test_sections_of_other_joints_are_refused(make_limits):
-    motion = motion_of(8, make_limits, n=4)
+def test_sections_of_other_joints_are_refused(make_limits, make_motion):
+    motion = make_motion(8, n=4)
     with pytest.raises(ValueError, match="sections: want ways of 3 joints, got one of 4"):
         JointTrajectory(motion.sections, np.zeros(3), make_limits([1.0] * 3, [1.0] * 3))
 
@@ -237,3 +224,69 @@ def test_a_rest_alone_is_a_motion(make_limits):
     assert motion.at(1.0).q.tolist() == [0.1, 0.2]
     assert not motion.sample([0.5, 1.5])[1].any()
     assert motion.stop_from(1.0).duration == 0.0
+
+
+@pytest.mark.property
+@settings(max_examples=15, deadline=None)
+@given(seed=st.integers(0, 9999), dwell=st.sampled_from([0.0, 0.4]))
+def test_backwards_the_joints_are_where_they_were(seed, dwell, make_motion):
+    motion = make_motion(seed, dwell)
+    back = motion.reversed()
+    assert back.duration == pytest.approx(motion.duration)
+    ts = np.linspace(0.0, motion.duration, 200)[1:-1]
+    # accelerations jump at nodes, and rounding decides on which side of one a moment lies
+    near = np.abs(ts[:, None] - motion.nodes()).min(axis=1) < 1e-9
+    for have, want, sign in zip(
+        back.sample(motion.duration - ts), motion.sample(ts), (1, -1, 1), strict=True
+    ):
+        assert np.allclose(have[~near], sign * want[~near], atol=1e-9)
+    again = back.reversed()
+    for have, want in zip(again.sample(ts[~near]), motion.sample(ts[~near]), strict=True):
+        assert np.allclose(have, want, atol=1e-9)
+
+
+@pytest.mark.property
+@settings(max_examples=20, deadline=None)
+@given(
+    seed=st.integers(0, 9999),
+    dwell=st.sampled_from([0.0, 0.4]),
+    share=st.floats(0.001, 0.999),
+)
+def test_two_parts_make_the_whole(seed, dwell, share, make_motion):
+    motion = make_motion(seed, dwell)
+    cut = share * motion.duration
+    first, second = motion.split(cut)
+    assert first.duration + second.duration == pytest.approx(motion.duration)
+    assert np.allclose(first.q_goal, second.q_start, atol=1e-12)
+    ts = np.linspace(0.0, motion.duration, 200)[1:-1]
+    ts = ts[np.abs(ts[:, None] - np.append(motion.nodes(), cut)).min(axis=1) > 1e-9]
+    before = ts < cut
+    for have, tail, want in zip(
+        first.sample(ts[before]), second.sample(ts[~before] - cut), motion.sample(ts), strict=True
+    ):
+        assert np.allclose(np.vstack((have, tail)), want, atol=1e-9)
+    moves = np.abs(motion.at(cut).qd).max() > 1e-6
+    assert first.ends_at_rest == (not moves)
+    assert second.starts_at_rest == (not moves)
+    assert first.starts_at_rest
+    assert second.ends_at_rest
+
+
+def test_a_motion_is_split_within_it_only(make_motion):
+    motion = make_motion(5)
+    for t in (0.0, -1.0, motion.duration, np.nan):
+        with pytest.raises(ValueError, match="want a time between 0 and"):
+            motion.split(t)
+
+
+@pytest.mark.property
+@settings(max_examples=15, deadline=None)
+@given(seed=st.integers(0, 9999))
+def test_jerk_is_that_of_differences(seed, make_motion):
+    motion = make_motion(seed, 0.3)
+    step = 1e-5
+    ts = np.linspace(0.0, motion.duration, 300)[1:-1]
+    ts = ts[np.abs(ts[:, None] - motion.nodes()).min(axis=1) > 2 * step]
+    difference = (motion.sample(ts + step)[2] - motion.sample(ts - step)[2]) / (2 * step)
+    jerk = motion.jerk(ts)
+    assert np.allclose(jerk, difference, rtol=1e-4, atol=1e-3)

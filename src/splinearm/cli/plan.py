@@ -16,23 +16,41 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument(
         "--plot", type=Path, default=None, metavar="FILE", help="draw it (PNG, SVG, PDF)"
     )
+    parser.add_argument(
+        "--save",
+        type=Path,
+        default=None,
+        metavar="FILE",
+        help="keep the motion: .json without loss, .ros.json as a ROS message, .csv as a table",
+    )
+    parser.add_argument(
+        "--rate", type=float, default=None, metavar="HZ", help="rows a second in .ros.json and .csv"
+    )
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
     """Plan and print."""
-    from splinearm.config import load_cell, load_job
+    from splinearm.config import load_cell, load_job, save_motion
+    from splinearm.config.motion import check_motion_file
     from splinearm.runner import plan_job
 
     from .files import require_new
     from .output import console
     from .report import print_plan
+    from .words import rate_of
 
-    require_new(picture=args.plot)
+    require_new(rows=args.save, picture=args.plot)
+    if args.save is not None:
+        check_motion_file(args.save)
     job = load_job(args.job)
+    rate = job.rate if args.rate is None else rate_of(args.rate)
     planned = plan_job(job, load_cell(job.arm))
     console.print(f"{job.title} on {planned.cell.arm.name}")
     print_plan(planned)
+    if args.save is not None:
+        save_motion(args.save, planned.plan.trajectory, arm=planned.cell.name, rate=rate)
+        console.print(f"motion: {args.save}")
     if args.plot is not None:
         from splinearm.viewer.plot import plot_plan
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from splinearm.control.report import Spread
     from splinearm.joints import JointLimits
     from splinearm.runner import PlannedJob, RunResult
-    from splinearm.trajectories.plan import LimitPeak
+    from splinearm.trajectories.plan import Binding, LimitPeak
 
 
 def print_report(result: "RunResult", csv: Path | None) -> None:
@@ -49,11 +49,14 @@ def print_plan(planned: "PlannedJob") -> None:
     console.print(f"duration: {plan.trajectory.duration:.3f} s")
     rows = [_peak_row(peak, limits) for peak in plan.peaks()]
     console.print(table(("joint", "quantity", "peak", "limit", "unit", "used", "at s"), rows))
+    bound = [_binding_row(binding) for binding in plan.bindings()]
+    if bound:
+        console.print(table(("from s", "to s", "what holds it back", "used"), bound))
 
 
 def _peak_row(peak: "LimitPeak", limits: "JointLimits") -> tuple[str, ...]:
     unit, per = unit_of(limits, peak.joint)
-    suffix = {"position": "", "velocity": "/s", "acceleration": "/s2"}[peak.quantity]
+    suffix = {"position": "", "velocity": "/s", "acceleration": "/s2", "jerk": "/s3"}[peak.quantity]
     return (
         peak.joint,
         peak.quantity,
@@ -63,6 +66,11 @@ def _peak_row(peak: "LimitPeak", limits: "JointLimits") -> tuple[str, ...]:
         f"{abs(peak.value / peak.limit):.1%}" if peak.limit else "-",
         f"{peak.t:.3f}",
     )
+
+
+def _binding_row(binding: "Binding") -> tuple[str, ...]:
+    what = f"{binding.quantity} of {binding.joint}" if binding.joint else "no joint"
+    return (f"{binding.start:.3f}", f"{binding.end:.3f}", what, f"{binding.share:.1%}")
 
 
 def unit_of(limits: "JointLimits", joint: str) -> tuple[str, float]:

@@ -1,4 +1,4 @@
-"""``splinearm run JOB``: carry out a job."""
+"""``splinearm run JOB``: carry out a job, or a motion that was saved."""
 
 import argparse
 from dataclasses import replace
@@ -14,9 +14,10 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser = commands.add_parser(
         "run",
         help="carry out a job on a simulated or a real arm",
-        description="Carry out a job. Ctrl-C slows the arm down along its path; it then holds.",
+        description="Carry out a job, or a motion that was saved. Ctrl-C slows the arm down along "
+        "its path; it then holds.",
     )
-    parser.add_argument("job", help="the job's TOML file")
+    parser.add_argument("job", help="the job's TOML file, or a motion (.json, .ros.json, .csv)")
     parser.add_argument(
         "--on",
         default="mujoco",
@@ -24,7 +25,11 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         help="mujoco, virtual (servos on a virtual bus), or a serial port such as /dev/ttyUSB0 "
         "(default: mujoco)",
     )
-    parser.add_argument("--arm", default=None, help="use this arm file; it must be the job's arm")
+    parser.add_argument(
+        "--arm",
+        default=None,
+        help="use this arm file; it must be the job's arm. Motions in rows need it",
+    )
     parser.add_argument("--rate", type=float, default=None, metavar="HZ", help="setpoints a second")
     parser.add_argument("--csv", type=Path, default=None, metavar="FILE", help="write every cycle")
     parser.add_argument(
@@ -38,21 +43,44 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
 
 def run(args: argparse.Namespace) -> int:
     """Plan, move, report."""
-    from splinearm.config import load_cell, load_job
-    from splinearm.runner import plan_job
-
     from .files import require_new
-    from .words import rate_of
 
     require_new(rows=args.csv, picture=args.plot)
-    job = load_job(args.job, arm=args.arm)
-    if args.rate is not None:
-        job = replace(job, rate=rate_of(args.rate))
-    planned = plan_job(job, load_cell(job.arm))
+    is_job = Path(args.job).suffix.lower() == ".toml"
+    planned = planned_job(args) if is_job else saved_motion(args)
     result = carry_out(planned, args.on, csv=args.csv, realtime=args.realtime)
     if args.plot is not None and result.recorder.cycles:
         draw(result, args.plot)
     return exit_code(result)
+
+
+def planned_job(args: argparse.Namespace) -> "PlannedJob":
+    """Read a job and plan it."""
+    from splinearm.config import load_cell, load_job
+    from splinearm.runner import plan_job
+
+    from .words import rate_of
+
+    job = load_job(args.job, arm=args.arm)
+    if args.rate is not None:
+        job = replace(job, rate=rate_of(args.rate))
+    return plan_job(job, load_cell(job.arm))
+
+
+def saved_motion(args: argparse.Namespace) -> "PlannedJob":
+    """Read a motion that was saved and the arm that it is for."""
+    from splinearm.config import load_cell, load_motion
+    from splinearm.errors import ConfigError
+    from splinearm.runner import plan_motion
+
+    from .words import rate_of
+
+    cell = None if args.arm is None else load_cell(args.arm)
+    saved = load_motion(args.job, None if cell is None else cell.arm.limits)
+    if cell is None and not saved.arm:
+        raise ConfigError(args.job, "arm", "says no arm; name one with --arm")
+    rate = 100.0 if args.rate is None else rate_of(args.rate)
+    return plan_motion(saved, cell or load_cell(saved.arm), Path(args.job), rate)
 
 
 def carry_out(

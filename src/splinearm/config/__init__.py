@@ -10,3 +10,6 @@ from .cell import shipped_arms as shipped_arms
 from .job import Job as Job
 from .job import demo_job as demo_job
 from .job import load_job as load_job
+from .motion import SavedMotion as SavedMotion
+from .motion import load_motion as load_motion
+from .motion import save_motion as save_motion

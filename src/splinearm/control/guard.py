@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.errors import FollowingError, LimitError, StartError
+from splinearm.errors import FollowingError, LimitError, StartError, TrajectoryError
 from splinearm.joints import JointKind, JointLimits, JointSetpoint, JointState
 from splinearm.trajectories.trajectory import JointTrajectory
 from splinearm.units import DEG
@@ -60,7 +60,14 @@ class Guard:
 
         Raises:
             LimitError: With joint, quantity, value, limit and time.
+            TrajectoryError: If it does not begin and end at rest.
         """
+        for rests, what in (
+            (trajectory.starts_at_rest, "begins"),
+            (trajectory.ends_at_rest, "ends"),
+        ):
+            if not rests:
+                raise TrajectoryError(f"the motion {what} while joints move, not at rest")
         count = max(2, int(np.ceil(trajectory.duration / period)) * 5 + 1)
         ts = np.linspace(0.0, trajectory.duration, count)
         q, qd, qdd = trajectory.sample(ts)

@@ -57,3 +57,31 @@ def quintic_spline(u: FloatArray, nodes: Jet) -> BSpline:
     )
     knots = np.concatenate((u[:1], u[:1], u[:1], np.repeat(u, 3), u[-1:], u[-1:], u[-1:]))
     return BSpline(knots, points.reshape(-1, points.shape[2]), 5)
+
+
+def cubic_spline(u: FloatArray, values: FloatArray, slopes: FloatArray) -> BSpline:
+    """Give the C1 cubic through values with given slopes.
+
+    Args:
+        u: Parameters, rising, shape (m,).
+        values: Shape (m, dim).
+        slopes: Derivatives by u, shape (m, dim).
+    """
+    third = np.diff(u)[:, None] / 3.0
+    inner = np.stack((values[:-1] + third * slopes[:-1], values[1:] - third * slopes[1:]), axis=1)
+    points = np.vstack((values[:1], inner.reshape(-1, values.shape[1]), values[-1:]))
+    ends = np.full(2, u[0]), np.full(2, u[-1])
+    return BSpline(np.concatenate((ends[0], np.repeat(u, 2), ends[1])), points, 3)
+
+
+def cubic_values(
+    ends: FloatArray, values: FloatArray, slopes: FloatArray, u: FloatArray
+) -> FloatArray:
+    """Give the cubic between two ends with given values and slopes at many u, shape (k, dim)."""
+    h = ends[1] - ends[0]
+    x = ((u - ends[0]) / h)[:, None]
+    step = values[1] - values[0]
+    first, last = h * slopes[0] - step, step - h * slopes[1]
+    # the chord and what the slopes bend it by
+    bent: FloatArray = values[0] + x * step + x * (1.0 - x) * (first * (1.0 - x) + last * x)
+    return bent

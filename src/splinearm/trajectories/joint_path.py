@@ -106,6 +106,22 @@ class JointPath:
             q = q * x + c[:, j]
         return q, slope, 2.0 * half_bend
 
+    def third(self, s: FloatArray, pieces: IndexArray | None = None) -> FloatArray:
+        """Give the third derivative of q by s at many s, shape (m, n); arguments as above."""
+        pieces = self.pieces_of(s) if pieces is None else pieces
+        x = (s - self.breaks[pieces])[:, None]
+        c = self.coefficients[pieces]
+        value = np.zeros((len(s), self.n))
+        for j in range(c.shape[1] - 1, 2, -1):
+            value = value * x + c[:, j] * (j * (j - 1) * (j - 2))
+        return value
+
+    def mirrored(self, first: float, last: float) -> "JointPath":
+        """Give the same places by the parameter first + last - s, so that the way is backwards."""
+        curve = self.curve
+        knots = first + (last - curve.knots[::-1])
+        return JointPath(BSpline(knots, curve.points[::-1], curve.degree))
+
 
 def _check_smooth(breaks: FloatArray, coefficients: FloatArray) -> None:
     """Refuse a way with a gap or a corner between its pieces."""

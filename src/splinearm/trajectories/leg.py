@@ -22,8 +22,8 @@ from .path import CartesianPath, check_blends, is_straight, line_path, spline_pa
 from .place import Place, tool_places
 from .reach import PathLabels
 from .resolve import Tolerance, resolve
+from .section import Section
 from .tool_path import CarriedPath
-from .trajectory import Section
 
 _LOOKS = 65
 _HALVINGS = 40

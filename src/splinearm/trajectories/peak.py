@@ -1,15 +1,21 @@
-"""Where a motion comes nearest to the limits of the joints."""
+"""Where a motion comes nearest to the limits of the joints, and which limit binds when."""
 
 from dataclasses import dataclass
+from itertools import groupby
+from typing import NamedTuple
 
 import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.joints import JointLimits
 
-from .time_law import TimeLaw
-from .trajectory import JointTrajectory, Section
+from .trajectory import JointTrajectory
 
-_LOOKS = np.linspace(0.0, 1.0, 9)
+_LOOKS = np.linspace(0.0, 1.0 - 1e-9, 9)
+"""Where between two nodes a motion is looked at: at the first, and just before the second."""
+
+_BINDS = 0.95
+"""From this share of its limit on a quantity is what holds the motion back between two nodes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,62 +25,105 @@ class LimitPeak:
     joint: str
     """Name of the joint."""
     quantity: str
-    """"position", "velocity" or "acceleration"."""
+    """"position", "velocity", "acceleration" or "jerk"."""
     value: float
     """What it is then, in SI, with its sign."""
     limit: float
-    """The limit that it is nearest to, in SI; of velocity and acceleration its magnitude."""
+    """The limit that it is nearest to, in SI; but for positions its magnitude."""
     t: float
     """When, s."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Binding:
+    """A time during which one limit, or none, holds a motion back."""
+
+    start: float
+    """From when, s."""
+    end: float
+    """Until when, s."""
+    joint: str | None
+    """The joint that is at its limit; None: no joint is."""
+    quantity: str | None
+    """"velocity", "acceleration" or "jerk"; None: no joint is at a limit, as where the tool's
+    speed, a rest or an end holds the motion back."""
+    share: float
+    """Largest share of a limit that any joint uses in this time."""
+
+
+class _Looks(NamedTuple):
+    t: FloatArray
+    q: FloatArray
+    rates: dict[str, tuple[FloatArray, FloatArray]]
+    """Values, shape (m, n), and limits, shape (n,), by quantity."""
+
+
 def peaks(trajectory: JointTrajectory) -> tuple[LimitPeak, ...]:
-    """Give for each joint its peaks of position, velocity and acceleration.
+    """Give for each joint its peaks of position, velocity, acceleration and, if limited, jerk.
 
     Looked at are all nodes of the time law, from both sides, and seven moments between.
     """
-    parts = [
-        _look(section, start)
-        for start, section in zip(trajectory.starts, trajectory.sections, strict=True)
-    ]
-    rest = np.zeros((1, trajectory.n))
-    parts.append((np.array([trajectory.duration]), trajectory.q_goal[None], rest, rest))
-    t, q, qd, qdd = (np.concatenate(columns) for columns in zip(*parts, strict=True))
-    limits = trajectory.limits
+    looks, limits = _look(trajectory), trajectory.limits
     found = []
     for j, joint in enumerate(limits.names):
-        below, above = q[:, j] - limits.q_min[j], limits.q_max[j] - q[:, j]
-        margin = np.minimum(below, above)
-        i = int(np.argmin(margin)) if np.isfinite(margin).any() else int(np.argmax(np.abs(q[:, j])))
-        bound = limits.q_min[j] if below[i] < above[i] else limits.q_max[j]
-        rows = [("position", q, i, bound)]
-        for quantity, values, most in (
-            ("velocity", qd, limits.qd_max[j]),
-            ("acceleration", qdd, limits.qdd_max[j]),
-        ):
-            rows.append((quantity, values, int(np.argmax(np.abs(values[:, j]))), most))
+        i, bound = _nearest_bound(looks.q[:, j], limits, j)
+        rows = [("position", looks.q, i, bound)]
+        for quantity, (values, most) in looks.rates.items():
+            rows.append((quantity, values, int(np.argmax(np.abs(values[:, j]))), float(most[j])))
         found += [
             LimitPeak(
-                joint=joint,
-                quantity=quantity,
-                value=float(v[k, j]),
-                limit=float(most),
-                t=float(t[k]),
+                joint=joint, quantity=quantity, value=float(v[k, j]), limit=m, t=float(looks.t[k])
             )
-            for quantity, v, k, most in rows
+            for quantity, v, k, m in rows
         ]
     return tuple(found)
 
 
-def _look(section: Section, start: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Give times, positions, velocities and accelerations in all cells of a section."""
-    law: TimeLaw = section.law
-    cells = np.repeat(np.arange(len(law.s) - 1), len(_LOOKS))
-    dt = (np.diff(law.t)[:, None] * _LOOKS).ravel()
-    push = law.acceleration[cells]
-    speed = np.maximum(law.speed[cells] + push * dt, 0.0)
-    s = law.s[cells] + dt * (law.speed[cells] + 0.5 * push * dt)
-    pieces = section.path.pieces_of(0.5 * (law.s[cells] + law.s[cells + 1]))
-    q, slope, bend = section.path.sample(s, pieces)
-    qdd = slope * push[:, None] + bend * (speed * speed)[:, None]
-    return start + law.t[cells] + dt, q, slope * speed[:, None], qdd
+def bindings(trajectory: JointTrajectory) -> tuple[Binding, ...]:
+    """Give which limit of which joint holds the motion back, from its start to its end."""
+    looks, names = _look(trajectory), trajectory.limits.names
+    if trajectory.duration <= 0.0:
+        return ()
+    quantities = list(looks.rates)
+    used = np.concatenate([np.abs(v) / most for v, most in looks.rates.values()], axis=1)
+    shares = used[:-1].reshape(-1, len(_LOOKS), used.shape[1])
+    cells = shares.max(axis=1)
+    # what is at its limit all the way, not what has just come to it
+    hardest = shares.mean(axis=1).argmax(axis=1)
+    binds = np.take_along_axis(cells, hardest[:, None], axis=1)[:, 0] >= _BINDS
+    which = np.where(binds, hardest, -1)
+    nodes = np.append(looks.t[: -1 : len(_LOOKS)], trajectory.duration)
+    found = []
+    for column, group in groupby(range(len(cells)), key=which.tolist().__getitem__):
+        some = list(group)
+        free = column < 0
+        found.append(
+            Binding(
+                start=float(nodes[some[0]]),
+                end=float(nodes[some[-1] + 1]),
+                joint=None if free else names[column % len(names)],
+                quantity=None if free else quantities[column // len(names)],
+                share=float(cells[some].max()),
+            )
+        )
+    return tuple(found)
+
+
+def _look(trajectory: JointTrajectory) -> _Looks:
+    """Give what the joints do at all nodes and between them."""
+    nodes, limits = trajectory.nodes(), trajectory.limits
+    t = (nodes[:-1, None] + np.diff(nodes)[:, None] * _LOOKS).ravel()
+    t = np.append(t, trajectory.duration)
+    q, qd, qdd = trajectory.sample(t)
+    rates = {"velocity": (qd, limits.qd_max), "acceleration": (qdd, limits.qdd_max)}
+    if limits.qddd_max is not None:
+        rates["jerk"] = (trajectory.jerk(t), limits.qddd_max)
+    return _Looks(t, q, rates)
+
+
+def _nearest_bound(q: FloatArray, limits: JointLimits, j: int) -> tuple[int, float]:
+    """Give when a joint is nearest to a limit of position, and that limit."""
+    below, above = q - limits.q_min[j], limits.q_max[j] - q
+    margin = np.minimum(below, above)
+    i = int(np.argmin(margin)) if np.isfinite(margin).any() else int(np.argmax(np.abs(q)))
+    return i, float(limits.q_min[j] if below[i] < above[i] else limits.q_max[j])

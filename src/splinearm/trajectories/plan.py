@@ -15,12 +15,14 @@ from splinearm.kinematics.arm import Arm
 from . import peak, place, timing
 from .joint_path import JointPath
 from .leg import Leg, joint_legs, line_legs, spline_leg, straight_path
+from .peak import Binding as Binding
 from .peak import LimitPeak as LimitPeak
 from .place import Place, Start
 from .resolve import Tolerance
+from .section import Section
 from .time_law import TimeLaw
 from .tool_path import ToolPath
-from .trajectory import JointTrajectory, Section
+from .trajectory import JointTrajectory
 from .waypoint import Move, Waypoint
 
 
@@ -38,6 +40,10 @@ class Plan:
     def peaks(self) -> tuple[LimitPeak, ...]:
         """Give where each joint comes nearest to its limits of position, velocity, acceleration."""
         return peak.peaks(self.trajectory)
+
+    def bindings(self) -> tuple[Binding, ...]:
+        """Give which limit of which joint holds the motion back, from its start to its end."""
+        return peak.bindings(self.trajectory)
 
 
 def plan(

@@ -83,9 +83,25 @@ class TimeLaw:
         now = np.sqrt(max(speed * speed + 2.0 * acceleration * way, 0.0))
         return float(begun + 2.0 * way / (speed + now))
 
+    def jerk(self, ts: FloatArray) -> FloatArray:
+        """Give d3s/dt3 at many times, shape (k,): zero between nodes, where d2s/dt2 jumps."""
+        return np.zeros(len(ts))
+
     def slower(self, share: float) -> "TimeLaw":
         """Give the same way at ``share`` of the speed everywhere."""
         return TimeLaw(self.s, self.x * share**2)
+
+    def reversed(self) -> "TimeLaw":
+        """Give the law that passes the same places backwards, by the parameter s[0] + s[-1] - s."""
+        return TimeLaw(self.s[0] + (self.s[-1] - self.s[::-1]), self.x[::-1])
+
+    def between(self, start: float, end: float) -> "TimeLaw":
+        """Give what happens from one time to a later one, both from 0 to the duration."""
+        (first, last), speed, _ = self.sample(np.array([start, end]))
+        inner = (self.t > start) & (self.t < end) & (self.s > first) & (self.s < last)
+        s = np.concatenate(([first], self.s[inner], [last]))
+        x = np.concatenate((speed[:1] ** 2, self.x[inner], speed[1:] ** 2))
+        return TimeLaw(s, x) if last > first else TimeLaw(s[:1], np.zeros(1))
 
 
 def split_cells(nodes: FloatArray, counts: IndexArray) -> FloatArray:

@@ -10,6 +10,7 @@ from splinearm.kinematics import chain
 from splinearm.kinematics.arm import Arm
 
 from .joint_path import JointPath
+from .trajectory import JointTrajectory
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,6 +98,16 @@ class ToolPath:
         if not self._chords:
             self._chords[:] = [chords_of(curve) for curve in self.curves]
         return self._chords
+
+
+def carried_tool_path(arm: Arm, trajectory: JointTrajectory) -> ToolPath:
+    """Give the way of the tool that a motion of the joints carries, as the wanted one."""
+    curves = []
+    for section in trajectory.sections:
+        first, last = float(section.law.s[0]), float(section.law.s[-1])
+        if last > first:
+            curves.append(CarriedPath(arm, JointPath(section.path.curve.part(first, last))))
+    return ToolPath(tuple(curves), arm.fk(trajectory.q_start)[:3, 3])
 
 
 def _lengths(chords: Chords) -> FloatArray:

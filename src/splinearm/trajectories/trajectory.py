@@ -1,45 +1,30 @@
 """Motions of the joints in time."""
 
 from bisect import bisect_right
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from math import inf
 
 import numpy as np
 
 from splinearm.arrays import ArrayInput, FloatArray, frozen_array
+from splinearm.curves.basis import IndexArray
+from splinearm.curves.bspline import BSpline
 from splinearm.joints import JointLimits, JointSetpoint
 
-from . import stopping
-from .joint_path import JointPath
-from .time_law import TimeLaw
+from . import stopping, time_curve
+from .section import Section
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Section:
-    """A part of a motion from rest to rest, and how long it rests then."""
-
-    path: JointPath
-    """The way of the joints."""
-    law: TimeLaw
-    """How it is run through."""
-    dwell: float = 0.0
-    """How long the joints rest at its end, s."""
-
-    @property
-    def duration(self) -> float:
-        """How long it takes with its rest, s."""
-        return self.law.duration + self.dwell
-
-    @property
-    def q_end(self) -> FloatArray:
-        """Where it ends, shape (n,), rad or m."""
-        end: FloatArray = self.path.at(float(self.law.s[-1]))[0]
-        return end
+_STILL = 1e-9
+"""Below this share of its highest speed a joint rests."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointTrajectory:
-    """A motion of the joints that ends at rest: sections one after the other."""
+    """A motion of the joints: sections one after the other.
+
+    What ``plan`` gives begins and ends at rest; parts of it (``split``) may begin or end moving.
+    """
 
     sections: tuple[Section, ...]
     """The sections; none for a motion that stays where it is."""
@@ -72,6 +57,16 @@ class JointTrajectory:
         """Number of joints."""
         return self.limits.n
 
+    @property
+    def starts_at_rest(self) -> bool:
+        """Whether no joint moves when it begins."""
+        return self._rests(0, 0.0)
+
+    @property
+    def ends_at_rest(self) -> bool:
+        """Whether no joint moves when it ends."""
+        return self._rests(-1, inf)
+
     def at(self, t: float) -> JointSetpoint:
         """Give the setpoint at a time.
 
@@ -91,14 +86,8 @@ class JointTrajectory:
             q = self.q_start if t < 0.0 or not self.sections else self.q_goal
             return JointSetpoint(t=t, q=q, qd=rest, qdd=rest)
         section, local = self._section_at(t)
-        if local >= section.law.duration:
-            rest = np.zeros(self.n)
-            return JointSetpoint(t=t, q=section.q_end, qd=rest, qdd=rest)
-        s, speed, acceleration = section.law.at(local)
-        q, slope, bend = section.path.at(s)
-        return JointSetpoint(
-            t=t, q=q, qd=slope * speed, qdd=slope * acceleration + bend * (speed * speed)
-        )
+        q, qd, qdd = section.at(local)
+        return JointSetpoint(t=t, q=q, qd=qd, qdd=qdd)
 
     def sample(self, ts: ArrayInput) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Give position, velocity and acceleration at many times, each of shape (m, n).
@@ -112,18 +101,27 @@ class JointTrajectory:
         times = frozen_array(ts, (None,), "ts")
         q = np.where((times < 0.0)[:, None], self.q_start, self.q_goal)
         qd, qdd = np.zeros_like(q), np.zeros_like(q)
-        for start, section in zip(self.starts, self.sections, strict=True):
-            local = times - start
-            inside = (local >= 0.0) & (local < section.duration) & (times < self.duration)
-            here = np.flatnonzero(inside)
-            moving = here[local[here] < section.law.duration]
-            q[here] = section.q_end
-            s, speed, acceleration = section.law.sample(local[moving])
-            position, slope, bend = section.path.sample(s)
-            q[moving] = position
-            qd[moving] = slope * speed[:, None]
-            qdd[moving] = slope * acceleration[:, None] + bend * (speed * speed)[:, None]
+        for section, here, local in self._shares(times):
+            q[here], qd[here], qdd[here] = section.sample(local)
         return q, qd, qdd
+
+    def jerk(self, ts: ArrayInput) -> FloatArray:
+        """Give the jerk at many times, shape (m, n), rad/s3 or m/s3; where it jumps, from ahead.
+
+        A motion planned without a limit of jerk has jumps of acceleration between the moments at
+        which this looks.
+
+        Args:
+            ts: Times, shape (m,), s; as for ``at``.
+
+        Raises:
+            ValueError: If a time is not a finite number.
+        """
+        times = frozen_array(ts, (None,), "ts")
+        qddd = np.zeros((len(times), self.n))
+        for section, here, local in self._shares(times):
+            qddd[here] = section.jerk(local)
+        return qddd
 
     def stop_from(self, t: float) -> "JointTrajectory":
         """Give the motion that leaves this one at a time and slows down along the same path.
@@ -158,8 +156,76 @@ class JointTrajectory:
         """
         if not 0.0 < share <= 1.0:
             raise ValueError(f"share: want above 0 and at most 1, got {share}")
-        slower = [replace(part, law=part.law.slower(share)) for part in self.sections]
-        return JointTrajectory(tuple(slower), self.q_start, self.limits)
+        return self._with(replace(part, law=part.law.slower(share)) for part in self.sections)
+
+    def split(self, t: float) -> "tuple[JointTrajectory, JointTrajectory]":
+        """Give what happens before and after a time; both parts keep their pace.
+
+        Raises:
+            ValueError: If the time is not strictly within the motion.
+        """
+        if not 0.0 < t < self.duration:
+            raise ValueError(f"t: want a time between 0 and {self.duration} s, got {t}")
+        i = bisect_right(self.starts, t) - 1
+        before, after = self.sections[i].split(t - self.starts[i])
+        first = JointTrajectory((*self.sections[:i], before), self.q_start, self.limits)
+        second = (after, *self.sections[i + 1 :])
+        return first, JointTrajectory(second, second[0].q_start, self.limits)
+
+    def reversed(self) -> "JointTrajectory":
+        """Give the motion backwards in time, rests included."""
+        parts: list[Section] = []
+        for section in reversed(self.sections):
+            if section.dwell > 0.0:
+                still = section.law.between(section.law.duration, section.law.duration)
+                parts.append(Section(section.path, still, section.dwell))
+            parts.append(section.reversed())
+        return JointTrajectory(tuple(parts), self.q_goal, self.limits)
+
+    def to_bspline(self, tolerance: float) -> BSpline:
+        """Give the joints as a cubic B-spline of the time, C1, from 0 to the duration.
+
+        Args:
+            tolerance: How far a joint may be off, rad or m, at places close to each other.
+
+        Raises:
+            ValueError: If the tolerance is not above 0, or the motion takes no time.
+        """
+        return time_curve.fit(self, tolerance)
+
+    def nodes(self) -> FloatArray:
+        """Give the times between which the motion is smooth, rising, from 0 to the duration."""
+        parts = [np.array([0.0, self.duration])]
+        for start, section in zip(self.starts, self.sections, strict=True):
+            law = section.law
+            breaks = section.path.breaks
+            inner = breaks[(breaks > law.s[0]) & (breaks < law.s[-1])]
+            passed = np.array([law.time_at(float(s)) for s in inner])
+            parts += [start + law.t, start + passed, np.array([start + section.duration])]
+        return np.unique(np.clip(np.concatenate(parts), 0.0, self.duration))
+
+    def _with(self, sections: Iterable[Section]) -> "JointTrajectory":
+        return JointTrajectory(tuple(sections), self.q_start, self.limits)
+
+    def _rests(self, which: int, local: float) -> bool:
+        if not self.sections:
+            return True
+        section = self.sections[which]
+        if which == -1 and section.dwell > 0.0:
+            return True
+        _, qd, _ = section.at(min(local, section.law.duration))
+        return bool((np.abs(qd) <= _STILL * self.limits.qd_max).all())
+
+    def _shares(self, times: FloatArray) -> list[tuple[Section, IndexArray, FloatArray]]:
+        """Give each section with the indices of the times within it and those since its start."""
+        shares = []
+        for start, section in zip(self.starts, self.sections, strict=True):
+            local = times - start
+            inside = (local >= 0.0) & (local < section.duration) & (times < self.duration)
+            here = np.flatnonzero(inside)
+            if here.size:
+                shares.append((section, here, local[here]))
+        return shares
 
     def _section_at(self, t: float) -> tuple[Section, float]:
         """Give the section at a time within the motion, and the time since its beginning."""
