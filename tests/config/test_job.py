@@ -7,7 +7,7 @@ import pytest
 
 from splinearm.config import Job, load_cell, load_job
 from splinearm.errors import ConfigError
-from splinearm.trajectories.waypoint import Move
+from splinearm.trajectories.waypoint import Facing, Move
 
 ONE = "[[waypoint]]\nposition_mm = [400.0, 100.0, 60.0]\n"
 
@@ -138,7 +138,11 @@ def test_another_arm_may_not(load, job_text):
             "did you mean|degrees: start_deg",
         ),
         (("[motion]", 'start = "home"\nstart_deg = [0, 0]\n[motion]'), "start", "take one of them"),
-        (('"line"', '"spline"'), "motion.through", 'wants one of "bspline", "line", "joint"'),
+        (
+            ('"line"', '"spline"'),
+            "motion.through",
+            'wants one of "bspline", "line", "arc", "joint"',
+        ),
         (("speed_mm_s = 100.0", "speed_mm_s = 0"), "motion.speed_mm_s", "above 0, got 0"),
         (("speed_mm_s = 100.0", "speed_m_s = 0.1"), "motion.speed_m_s", "second: speed_mm_s"),
         (
@@ -223,3 +227,44 @@ def test_what_is_wrong_with_the_arm_is_said_of_the_arm_s_file(load, job_text, wr
 
 def test_an_arm_is_no_job(arm_text, refusal):
     refusal(load_job, arm_text, "schema", 'wants "splinearm-job/1", got "splinearm-arm/1"')
+
+
+ARC_KEYS = '\nthrough = "arc"\nposition_mm = [0.0, 300.0, 60.0]\n'
+
+
+def test_arcs_are_read_with_their_point_or_their_axis(load, job_text, edited):
+    through = ARC_KEYS + 'via_mm = [200.0, 200.0, 60.0]\nfacing = "kept"\n'
+    via = load(edited(job_text, ONE, "[[waypoint]]" + through)).waypoints[0]
+    assert via.move is Move.ARC
+    assert via.arc.via == pytest.approx([0.2, 0.2, 0.06])
+    assert via.facing is Facing.KEPT
+    about = ARC_KEYS + "centre_mm = [0.0, 0.0, 0.0]\naxis = [0.0, 0.0, 2.0]\nturns = 2\n"
+    helix = load(edited(job_text, ONE, "[[waypoint]]" + about)).waypoints[0]
+    assert helix.arc.turns == 2
+    assert helix.arc.normal == pytest.approx([0.0, 0.0, 2.0])
+    assert helix.facing is Facing.FREE
+
+
+@pytest.mark.parametrize(
+    ("keys", "key", "says"),
+    [
+        ("", "waypoint[0].via_mm", "is missing, as is centre_mm"),
+        ("via_mm = [1, 2]", "waypoint[0].via_mm", "3 numbers"),
+        ("via_mm = [1, 2, 3]\nturns = 1", "waypoint[0].turns", "contradicts via_mm"),
+        ("centre_mm = [1, 2, 3]\naxis = [0, 0, 0]", "waypoint[0].axis", "want a direction"),
+        ("centre_mm = [1, 2, 3]", "waypoint[0].axis", "missing"),
+        ("centre_mm = [1, 2, 3]\naxis = [0, 0, 1]\nturns = -1", "waypoint[0].turns", "0 or more"),
+    ],
+)
+def test_an_arc_that_cannot_be_used_is_refused(keys, key, says, load, job_text, edited):
+    with pytest.raises(ConfigError, match=says) as caught:
+        load(edited(job_text, ONE, "[[waypoint]]" + ARC_KEYS + keys + "\n"))
+    assert caught.value.key == key
+
+
+def test_arcs_and_facings_are_asked_for_where_they_mean_something(load, job_text, edited):
+    with pytest.raises(ConfigError, match="is for arcs"):
+        load(edited(job_text, ONE, ONE + "via_mm = [1, 2, 3]\n"))
+    joints = '[[waypoint]]\njoints_deg = [1, 2]\nfacing = "kept"\n'
+    with pytest.raises(ConfigError, match=r"facing.*is for tool moves to a position"):
+        load(edited(job_text, ONE, joints))

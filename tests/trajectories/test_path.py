@@ -1,11 +1,22 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from splinearm.curves.segment import Line
 from splinearm.errors import CurveError
 from splinearm.kinematics import quaternion
-from splinearm.trajectories.path import TURN_ARM, ToolPlaces, is_straight, line_path, spline_path
+from splinearm.trajectories.path import TURN_ARM, ToolPlaces, course_path, is_smooth, spline_path
+
+
+def lines(places):
+    return [Line(*ends) for ends in pairwise(places.p)]
+
+
+def line_path(places, blends, names):
+    return course_path(places, lines(places), blends, names)
 
 
 @st.composite
@@ -102,13 +113,13 @@ def test_blends_that_overlap_name_the_places():
 
 def test_straight_means_way_and_turn():
     p = np.array([[0.0, 0, 0], [0.1, 0, 0], [0.3, 0, 0]])
-    assert is_straight(ToolPlaces(p, None))
+    assert is_smooth(ToolPlaces(p, None), lines(ToolPlaces(p, None)))
     even = quaternion.exp(np.array([[0.0, 0, 0], [0.0, 0, 0.1], [0.0, 0, 0.3]]))
-    assert is_straight(ToolPlaces(p, even))
+    assert is_smooth(ToolPlaces(p, even), lines(ToolPlaces(p, even)))
     uneven = quaternion.exp(np.array([[0.0, 0, 0], [0.0, 0, 0.1], [0.0, 0, 0.2]]))
-    assert not is_straight(ToolPlaces(p, uneven))
+    assert not is_smooth(ToolPlaces(p, uneven), lines(ToolPlaces(p, uneven)))
     p[2, 1] = 0.01
-    assert not is_straight(ToolPlaces(p, None))
+    assert not is_smooth(ToolPlaces(p, None), lines(ToolPlaces(p, None)))
 
 
 @pytest.mark.property

@@ -1,14 +1,16 @@
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from splinearm.curves.segment import Line
 from splinearm.errors import UnreachableError
 from splinearm.kinematics import quaternion
 from splinearm.trajectories import task
-from splinearm.trajectories.path import ToolPlaces, line_path, spline_path
+from splinearm.trajectories.path import ToolPlaces, course_path, spline_path
 from splinearm.trajectories.reach import PathLabels
 from splinearm.trajectories.resolve import Tolerance, resolve
 
@@ -17,7 +19,9 @@ LABELS = PathLabels([f"place {i}" for i in range(20)])
 
 
 def line(*p):
-    return line_path(ToolPlaces(np.array(p), None), np.zeros(len(p)), LABELS.names)
+    places = ToolPlaces(np.array(p), None)
+    ways = [Line(*ends) for ends in pairwise(places.p)]
+    return course_path(places, ways, np.zeros(len(p)), LABELS.names)
 
 
 def off_by(arm, path, joints, count=4000):

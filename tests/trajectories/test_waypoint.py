@@ -65,4 +65,4 @@ def test_a_dwell_is_a_stop():
 
 
 def test_moves_are_named_as_in_files():
-    assert [move.value for move in Move] == ["bspline", "line", "joint"]
+    assert [move.value for move in Move] == ["bspline", "line", "arc", "joint"]

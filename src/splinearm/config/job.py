@@ -6,7 +6,9 @@ The keys of a job file (``schema = "splinearm-job/1"``)::
     arm                     a shipped arm, or the path of an arm file as seen from the job file
     start or start_deg      a named pose of the arm (default "home"), or one number a joint
     [motion]                for all waypoints; all optional
-        through             "bspline" (default), "line" or "joint": how a waypoint is reached
+        through             "bspline" (default), "line", "arc" or "joint": how a waypoint is reached
+        facing              "free" (default), "kept" or "tangent": how the tool stands on the way to
+                            a waypoint that gives a position only
         speed_mm_s          of the tool; without it as fast as the joints may
         closed              true: back to the start in the end; B-splines make one closed curve
         limits_percent      share of the arm's speed limits that the motion may use (default 100)
@@ -14,7 +16,11 @@ The keys of a job file (``schema = "splinearm-job/1"``)::
         position_tolerance_mm   how far the tool may be off the wanted curve (default 0.02)
     [[waypoint]]            in order; where, and what differs from [motion]
         position_mm, and quat_wxyz or rpy_deg if the orientation matters; or joints_deg
-        through, speed_mm_s
+        through, facing, speed_mm_s
+        via_mm              of an arc: a point on the way, or
+        centre_mm, axis     a point and the direction of its axis, by the right hand; if the end
+                            lies farther along the axis it is a helix
+        turns               full turns besides (default 0)
         blend_mm            how near to the corner here rounding it may begin (0: it stops there)
         stop, dwell_s       whether to stop here, and for how long
         name
@@ -30,7 +36,7 @@ from pathlib import Path
 
 from splinearm.arrays import FloatArray
 from splinearm.kinematics import Pose
-from splinearm.trajectories.waypoint import Move, Waypoint
+from splinearm.trajectories.waypoint import ArcAbout, ArcThrough, Facing, Move, Waypoint
 
 from .cell import Cell, load_cell, read_positions, shipped_arms
 from .frame import read_quat
@@ -41,6 +47,7 @@ JOB_SCHEMA = "splinearm-job/1"
 """What a job file says it is."""
 
 _MOVES = [move.value for move in Move]
+_FACINGS = [facing.value for facing in Facing]
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -74,6 +81,7 @@ class _Motion:
     """What holds for every waypoint that does not say otherwise."""
 
     move: str
+    facing: str
     speed: float | None
 
 
@@ -147,7 +155,8 @@ def _read_start(root: Table, cell: Cell) -> FloatArray:
 
 def _read_usual(table: Table) -> _Motion:
     move = table.choice("through", _MOVES, Move.BSPLINE.value)
-    return _Motion(move, _read_speed(table))
+    facing = table.choice("facing", _FACINGS, Facing.FREE.value)
+    return _Motion(move, facing, _read_speed(table))
 
 
 def _read_speed(table: Table) -> float | None:
@@ -163,6 +172,8 @@ def _read_waypoint(table: Table, cell: Cell, usual: _Motion) -> Waypoint:
     blend = table.number("blend_mm", 0.0, low=0.0)
     dwell = table.number("dwell_s", 0.0, low=0.0)
     stop = table.flag("stop")
+    facing = _read_facing(table, usual, move, position)
+    arc = _read_arc(table, move)
     table.finish()
     if blend > 0.0:
         _check_blend(table, move, "stop" if stop else "dwell_s" if dwell > 0.0 else None)
@@ -171,12 +182,46 @@ def _read_waypoint(table: Table, cell: Cell, usual: _Motion) -> Waypoint:
         position=position,
         q=q,
         move=move,
+        arc=arc,
+        facing=facing,
         speed=speed,
         blend=blend,
         stop=stop,
         dwell=dwell,
         name=name,
     )
+
+
+def _read_facing(table: Table, usual: _Motion, move: Move, position: FloatArray | None) -> Facing:
+    """Read how the tool stands; the usual way holds where it can be asked for."""
+    asked = "facing" in table
+    facing = Facing(table.choice("facing", _FACINGS, usual.facing))
+    if position is not None and move is not Move.JOINT:
+        return facing
+    if asked and facing is not Facing.FREE:
+        raise table.refuse(
+            "facing", "is for tool moves to a position; a pose or joints say how the tool stands"
+        )
+    return Facing.FREE
+
+
+def _read_arc(table: Table, move: Move) -> ArcThrough | ArcAbout | None:
+    """Read which arc leads to a waypoint."""
+    given = [key for key in ("via_mm", "centre_mm", "axis", "turns") if key in table]
+    if move is not Move.ARC:
+        if given:
+            raise table.refuse(given[0], 'is for arcs; set through = "arc" or take it out')
+        return None
+    if "via_mm" in given:
+        if len(given) > 1:
+            raise table.refuse(given[1], "contradicts via_mm; an arc has a via or a centre")
+        return ArcThrough(table.numbers("via_mm", 3))
+    if "centre_mm" not in given:
+        raise table.refuse("via_mm", "is missing, as is centre_mm; an arc needs one of them")
+    axis = table.numbers("axis", 3)
+    if not axis.any():
+        raise table.refuse("axis", "want a direction, got zero")
+    return ArcAbout(table.numbers("centre_mm", 3), axis, table.integer("turns", 0, low=0))
 
 
 def _check_blend(table: Table, move: Move, resting: str | None) -> None:

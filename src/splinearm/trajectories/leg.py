@@ -12,14 +12,22 @@ from splinearm.curves.bspline import BSpline
 from splinearm.curves.corner import rounded_polyline
 from splinearm.curves.nearest import SpaceCurve
 from splinearm.errors import CurveError
-from splinearm.kinematics import chain
+from splinearm.kinematics import chain, quaternion
 from splinearm.kinematics.arm import Arm
 
 from . import timing
 from .constraint import SpeedCap
 from .joint_path import JointPath
-from .path import CartesianPath, check_blends, is_straight, line_path, spline_path, steps_between
-from .place import Place, tool_places
+from .path import (
+    CartesianPath,
+    check_blends,
+    course_path,
+    is_smooth,
+    spline_path,
+    steps_between,
+    turning_along,
+)
+from .place import Place, segments_between, tool_places
 from .reach import PathLabels
 from .resolve import Tolerance, resolve
 from .section import Section
@@ -77,6 +85,8 @@ def spline_leg(
     q_start: FloatArray,
     tolerance: Tolerance,
     closing: Place | None = None,
+    *,
+    tangent: bool = False,
 ) -> Leg:
     """Give the leg of a B-spline through places, the start first.
 
@@ -87,41 +97,59 @@ def spline_leg(
         tolerance: How far the tool may be off.
         closing: What is asked for at the end of a closed curve, which is the first place again;
             None: the curve is open.
+        tangent: Whether the tool turns with its way.
 
     Raises:
         KinematicsError: If the arm cannot follow.
     """
     path = spline_path(tool_places(places), closed=closing is not None)
+    path = _along(arm, path, q_start) if tangent else path
     marks = [*places, closing] if closing is not None else list(places)
     return _tool_leg(arm, path, marks, q_start, tolerance)
 
 
-def line_legs(
-    arm: Arm, places: Sequence[Place], q_start: FloatArray, tolerance: Tolerance
+def course_legs(
+    arm: Arm,
+    places: Sequence[Place],
+    q_start: FloatArray,
+    tolerance: Tolerance,
+    *,
+    tangent: bool = False,
 ) -> list[Leg]:
-    """Give the legs of straight tool moves: a new one where the tool must stop at a corner.
+    """Give the legs of lines and arcs: a new one where the tool must stop at a corner.
+
+    Args:
+        arm: The arm.
+        places: At least two places, the start first.
+        q_start: Where the joints are at the first, shape (n,).
+        tolerance: How far the tool may be off.
+        tangent: Whether the tool turns with its way.
 
     Raises:
-        CurveError: If blends overlap.
+        CurveError: If blends overlap or an arc cannot be made.
         KinematicsError: If the arm cannot follow.
     """
     legs: list[Leg] = []
+    segments = segments_between(places)
     check_blends(
-        steps_between(tool_places(places)),
+        steps_between(tool_places(places), segments),
         np.array([place.blend for place in places]),
         [p.name for p in places],
     )
     corners = [
         i
         for i in range(1, len(places) - 1)
-        if places[i].blend <= 0.0 and not is_straight(tool_places(places[i - 1 : i + 2]))
+        if places[i].blend <= 0.0
+        and not is_smooth(tool_places(places[i - 1 : i + 2]), segments[i - 1 : i + 1])
     ]
     bounds = [0, *corners, len(places) - 1]
     for begin, end in pairwise(bounds):
         some = places[begin : end + 1]
         blends = np.array([place.blend for place in some])
-        path = line_path(tool_places(some), blends, [place.name for place in some])
+        names = [place.name for place in some]
+        path = course_path(tool_places(some), segments[begin:end], blends, names)
         q = legs[-1].q_goal if legs else q_start
+        path = _along(arm, path, q) if tangent else path
         legs.append(_tool_leg(arm, path, some, q, tolerance))
     return legs
 
@@ -147,6 +175,11 @@ def joint_legs(arm: Arm, places: Sequence[Place]) -> list[Leg]:
 def straight_path(q_start: FloatArray, q_goal: FloatArray) -> JointPath:
     """Give the straight way from joint positions to different ones, by a parameter 0 to 1."""
     return JointPath(BSpline(np.array([0.0, 0.0, 1.0, 1.0]), np.array([q_start, q_goal]), 1))
+
+
+def _along(arm: Arm, path: CartesianPath, q_start: FloatArray) -> CartesianPath:
+    """Let the tool turn with its way, from how the joints hold it at the start."""
+    return turning_along(path, quaternion.from_matrix(arm.fk(q_start)[:3, :3]))
 
 
 def _tool_leg(

@@ -5,21 +5,22 @@ times 0.1 m.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from splinearm.arrays import ArrayInput, FloatArray
-from splinearm.curves.bspline import BSpline
-from splinearm.curves.corner import rounded_polyline
+from splinearm.curves.course import Course, goes_on
 from splinearm.curves.interpolation import interpolate
 from splinearm.curves.nearest import distance_to_curves
+from splinearm.curves.segment import Segment
 from splinearm.errors import CurveError
 from splinearm.kinematics import quaternion
 
 from .orientation import RotationPolyline, interpolate_orientations
-from .turning import OrientationCurve
+from .transport import TransportedOrientation
+from .turning import OrientationCurve, SpaceJet
 
 TURN_ARM = 0.1
 """How many metres of way a turn of 1 rad counts as."""
@@ -54,7 +55,7 @@ class ToolState(NamedTuple):
 class CartesianPath:
     """A C2 way of the tool."""
 
-    position: BSpline
+    position: SpaceJet
     """Where the tool is, m in base."""
     orientation: OrientationCurve | None
     """How it stands, or None if that is free."""
@@ -113,9 +114,16 @@ class CartesianPath:
         return distance_to_curves([self], points)
 
 
-def steps_between(places: ToolPlaces) -> FloatArray:
-    """Give how much s each step from place to place takes, shape (m - 1,)."""
+def steps_between(places: ToolPlaces, segments: Sequence[Segment] | None = None) -> FloatArray:
+    """Give how much s each step from place to place takes, shape (m - 1,).
+
+    Args:
+        places: The places.
+        segments: The ways between them; None: straight ones.
+    """
     moved: FloatArray = np.linalg.norm(np.diff(places.p, axis=0), axis=1)
+    if segments is not None:
+        moved = np.array([segment.length for segment in segments])
     if places.quats is None:
         return moved
     turned = quaternion.angle_between(places.quats[:-1], places.quats[1:])
@@ -141,29 +149,47 @@ def spline_path(places: ToolPlaces, *, closed: bool = False) -> CartesianPath:
     )
 
 
-def line_path(places: ToolPlaces, blends: FloatArray, names: Sequence[str]) -> CartesianPath:
-    """Give the path of straight lines from place to place with rounded corners.
+def course_path(
+    places: ToolPlaces, segments: Sequence[Segment], blends: FloatArray, names: Sequence[str]
+) -> CartesianPath:
+    """Give the path along segments from place to place with rounded corners.
 
     Within a corner the tool stays nearer to it than its blend; it and its turn are C2.
 
     Args:
-        places: The ends of the lines, no two neighbours the same, at least 2.
+        places: The ends of the segments, at least 2.
+        segments: The ways between them.
         blends: How near to each place rounding may begin, m, shape (m,), 0 at the ends; where it
-            is 0 inside, the lines before and behind are in line.
+            is 0 inside, the segment behind goes on as the one before ends.
         names: What messages call the places.
 
     Raises:
-        CurveError: If blends overlap.
+        CurveError: If blends overlap, or are too large for how much the way bends there.
     """
-    steps = steps_between(places)
+    steps = steps_between(places, segments)
     check_blends(steps, blends, names)
     s = np.concatenate(([0.0], np.cumsum(steps)))
+    course = Course(segments, s, blends)
+    for i in np.flatnonzero(blends).tolist():
+        if course.farthest_from_corner(i) > blends[i] * (1.0 + 1e-9):
+            raise CurveError(
+                f"a blend of {blends[i] * 1e3:.4g} mm is too large for how much the way bends "
+                "there; make it smaller",
+                names[i],
+            )
     orientation: OrientationCurve | None = None
     if places.quats is not None:
         orientation = RotationPolyline(s, places.quats, blends)
-    return CartesianPath(
-        position=rounded_polyline(places.p, s, blends), orientation=orientation, waypoint_s=s
-    )
+    return CartesianPath(position=course, orientation=orientation, waypoint_s=s)
+
+
+def turning_along(path: CartesianPath, quat_start: FloatArray) -> CartesianPath:
+    """Give the same way with a tool that turns with its direction and does not spin about it.
+
+    Raises:
+        CurveError: If the way has no direction somewhere.
+    """
+    return replace(path, orientation=TransportedOrientation(path.position, quat_start))
 
 
 def check_blends(steps: FloatArray, blends: FloatArray, names: Sequence[str]) -> None:
@@ -183,18 +209,23 @@ def check_blends(steps: FloatArray, blends: FloatArray, names: Sequence[str]) ->
         )
 
 
-def is_straight(places: ToolPlaces, tolerance: float = 1e-9) -> bool:
-    """Tell whether three places are passed in a straight line at one rate of way and turn."""
-    steps = steps_between(places)[:, None]
-    slopes = np.diff(places.p, axis=0) / steps
-    if np.abs(slopes[1] - slopes[0]).max() > tolerance:
+def is_smooth(places: ToolPlaces, segments: Sequence[Segment], tolerance: float = 1e-9) -> bool:
+    """Tell whether the place between two segments is no corner, neither of way nor of turn.
+
+    Args:
+        places: Start, middle and end.
+        segments: The two ways between them.
+        tolerance: Largest difference of the rates of turn, rad by 0.1 m.
+    """
+    steps = steps_between(places, segments)
+    if not goes_on(segments[0], segments[1], (float(steps[0]), float(steps[1]))):
         return False
     if places.quats is None:
         return True
     turns = quaternion.log(
         quaternion.multiply(quaternion.conjugate(places.quats[:-1]), places.quats[1:])
     )
-    rates = turns / steps * TURN_ARM
+    rates = turns / steps[:, None] * TURN_ARM
     return bool(np.abs(rates[1] - rates[0]).max() <= tolerance)
 
 

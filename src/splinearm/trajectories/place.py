@@ -2,19 +2,21 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import groupby
+from itertools import groupby, pairwise
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.curves.segment import Line, Segment, arc_about, arc_through
 from splinearm.errors import CurveError, UnreachableError
 from splinearm.kinematics import ik, quaternion
 from splinearm.kinematics.arm import Arm
 from splinearm.kinematics.pose import Pose
 
 from .path import ToolPlaces
-from .waypoint import Move, Waypoint
+from .waypoint import ArcAbout, ArcThrough, Facing, Move, Waypoint
 
 _SAME_POSITION = 1e-9
 """Nearer than this, in m, two positions are one."""
@@ -48,6 +50,8 @@ class Place:
     """Orientation of the tool, shape (4,); None where it is free and in joint moves."""
     q: FloatArray | None = None
     """Joint positions, shape (n,), in joint moves."""
+    arc: ArcThrough | ArcAbout | None = None
+    """The arc that leads here; None: another way does."""
     waypoints: tuple[int, ...] = ()
     """The waypoints that are this place."""
     speed: float = inf
@@ -60,7 +64,9 @@ class Place:
     """How long, s."""
 
     def is_same(self, other: "Place") -> bool:
-        """Tell whether no motion leads from one to the other."""
+        """Tell whether no motion leads from one to the other, which follows."""
+        if other.arc is not None:
+            return False
         if self.q is not None and other.q is not None:
             return bool(np.abs(self.q - other.q).max() <= _SAME_ANGLE)
         if self.p is None or other.p is None:
@@ -89,10 +95,27 @@ def name_of(index: int, waypoint: Waypoint) -> str:
     return f"waypoint {index + 1}" + (f" {waypoint.name!r}" if waypoint.name else "")
 
 
-def runs_of(waypoints: Sequence[Waypoint]) -> list[tuple[Move, list[int]]]:
-    """Give the runs of equal moves: the move and the numbers of its waypoints."""
-    groups = groupby(range(len(waypoints)), key=lambda i: waypoints[i].move)
-    return [(move, list(numbers)) for move, numbers in groups]
+class Run(NamedTuple):
+    """Waypoints that follow each other by the same kind of move; lines and arcs are one kind."""
+
+    move: Move
+    """The move; of lines and arcs LINE."""
+    tangent: bool
+    """Whether the tool turns with its way."""
+    numbers: list[int]
+    """The waypoints."""
+
+
+def runs_of(waypoints: Sequence[Waypoint]) -> list[Run]:
+    """Give the runs of equal moves."""
+
+    def kind(i: int) -> tuple[Move, bool]:
+        move = waypoints[i].move
+        straight = Move.LINE if move is Move.ARC else move
+        return straight, waypoints[i].facing is Facing.TANGENT
+
+    groups = groupby(range(len(waypoints)), key=kind)
+    return [Run(move, tangent, list(numbers)) for (move, tangent), numbers in groups]
 
 
 def tool_run(
@@ -117,6 +140,8 @@ def tool_run(
             place = _carried_place(arm, waypoint.q, free=free)
         elif waypoint.pose is not None:
             place = Place(name="", p=waypoint.pose.p, quat=waypoint.pose.quat)
+        elif waypoint.facing is Facing.KEPT:
+            place = Place(name="", p=waypoint.position, quat=places[-1].quat)
         else:
             place = Place(name="", p=waypoint.position)
         places.append(_asking(place, i, waypoint))
@@ -174,10 +199,32 @@ def tool_places(places: Sequence[Place]) -> ToolPlaces:
     return ToolPlaces(p, np.array([place.quat for place in places], dtype=np.float64))
 
 
+def segments_between(places: Sequence[Place]) -> list[Segment]:
+    """Give the ways of the tool from place to place: lines, and arcs where a place names one.
+
+    Raises:
+        CurveError: If an arc cannot be made, with the place that it leads to.
+    """
+    return [_segment(start, end) for start, end in pairwise(places)]
+
+
+def _segment(start: Place, end: Place) -> Segment:
+    first, last = np.asarray(start.p), np.asarray(end.p)
+    try:
+        if isinstance(end.arc, ArcThrough):
+            return arc_through(first, end.arc.via, last)
+        if isinstance(end.arc, ArcAbout):
+            return arc_about(first, last, end.arc.centre, end.arc.normal, end.arc.turns)
+    except CurveError as error:
+        raise CurveError(f"no arc leads there: {error.what}", end.name) from error
+    return Line(first, last)
+
+
 def _asking(place: Place, i: int, waypoint: Waypoint) -> Place:
     return replace(
         place,
         name=name_of(i, waypoint),
+        arc=waypoint.arc,
         waypoints=(i,),
         speed=inf if waypoint.speed is None else waypoint.speed,
         blend=waypoint.blend,
@@ -195,11 +242,12 @@ def _carried_place(arm: Arm, q: FloatArray, *, free: bool) -> Place:
 
 def _is_orientation_free(arm: Arm, waypoints: Sequence[Waypoint], numbers: Sequence[int]) -> bool:
     """Tell whether a run gives positions only."""
-    poses = [i for i in numbers if waypoints[i].pose is not None]
-    positions = [i for i in numbers if waypoints[i].position is not None]
+    kept = [i for i in numbers if waypoints[i].facing is Facing.KEPT]
+    poses = [i for i in numbers if waypoints[i].pose is not None] + kept
+    positions = [i for i in numbers if waypoints[i].position is not None and i not in kept]
     if poses and positions:
         raise ValueError(
-            f"{name_of(poses[0], waypoints[poses[0]])} gives a pose and "
+            f"{name_of(poses[0], waypoints[poses[0]])} gives a pose or keeps it and "
             f"{name_of(positions[0], waypoints[positions[0]])} a position only; "
             "in one run of tool moves give the orientation everywhere or nowhere"
         )

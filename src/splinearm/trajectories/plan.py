@@ -14,7 +14,7 @@ from splinearm.kinematics.arm import Arm
 
 from . import peak, place, timing
 from .joint_path import JointPath
-from .leg import Leg, joint_legs, line_legs, spline_leg, straight_path
+from .leg import Leg, course_legs, joint_legs, spline_leg, straight_path
 from .peak import Binding as Binding
 from .peak import LimitPeak as LimitPeak
 from .place import Place, Start
@@ -58,8 +58,8 @@ def plan(
     """Plan the quickest motion through waypoints.
 
     The motion begins at rest at ``q_start`` and ends at rest. A run of B-spline moves is one C2
-    curve from where the tool is through the waypoints of the run; a run of lines or joint moves
-    goes straight from place to place. The arm rests between runs of different moves, at corners
+    curve from where the tool is through the waypoints of the run; a run of lines and arcs, or of
+    joint moves, goes from place to place. The arm rests between runs of different moves, at corners
     without a blend, and where a waypoint asks for it. Waypoints that repeat the place before them
     are one with it.
 
@@ -147,7 +147,7 @@ class _Motion:
 
     def add_runs(self, waypoints: Sequence[Waypoint]) -> None:
         """Add all runs of equal moves."""
-        for move, numbers in place.runs_of(waypoints):
+        for move, tangent, numbers in place.runs_of(waypoints):
             if move is Move.JOINT:
                 places = place.joint_run(self.arm, waypoints, numbers, self._here())
             else:
@@ -159,9 +159,9 @@ class _Motion:
             if move is Move.JOINT:
                 legs = joint_legs(self.arm, places)
             elif move is Move.LINE:
-                legs = line_legs(self.arm, places, self.q, self.tolerance)
+                legs = course_legs(self.arm, places, self.q, self.tolerance, tangent=tangent)
             else:
-                legs = [spline_leg(self.arm, places, self.q, self.tolerance)]
+                legs = [spline_leg(self.arm, places, self.q, self.tolerance, tangent=tangent)]
             for leg in legs:
                 self._add(leg)
 
@@ -206,7 +206,8 @@ class _Motion:
 
 def _way_back(waypoints: Sequence[Waypoint], q: FloatArray) -> Waypoint:
     last = waypoints[-1]
-    return Waypoint(q=q, move=last.move, speed=last.speed, name="the start")
+    move = Move.LINE if last.move is Move.ARC else last.move
+    return Waypoint(q=q, move=move, speed=last.speed, name="the start")
 
 
 def _checked_start(arm: Arm, waypoints: Sequence[Waypoint], q_start: ArrayInput) -> FloatArray:
