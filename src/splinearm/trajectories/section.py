@@ -119,6 +119,14 @@ class Section:
         )
         return qddd
 
+    def nodes(self) -> FloatArray:
+        """Give the times between which it is smooth, rising, from 0 to the duration."""
+        law, breaks = self.law, self.path.breaks
+        inner = breaks[(breaks > law.s[0]) & (breaks < law.s[-1])]
+        passed = np.array([law.time_at(float(s)) for s in inner])
+        nodes = np.concatenate((law.t, passed, [law.duration, self.duration]))
+        return np.unique(np.clip(nodes, 0.0, self.duration))
+
     def split(self, t: float) -> "tuple[Section, Section]":
         """Give what happens before and after a time from 0 to the duration."""
         if t >= self.law.duration:

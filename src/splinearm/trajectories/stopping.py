@@ -8,6 +8,9 @@ from splinearm.joints import JointLimits
 from . import constraint, reachability
 from .constraint import Rows
 from .joint_path import JointPath
+from .pace import Envelope, slow_down
+from .paced_law import PacedLaw
+from .section import Law, Section
 from .time_law import TimeLaw, split_cells
 
 _CELLS = 60
@@ -25,6 +28,31 @@ _REST = 1e-12
 _QUARTERINGS = 12
 _HALVINGS = 5
 """How far and how finely the place in the last cell is sought where the motion ends."""
+
+
+Envelopes = dict[int, Envelope]
+"""What motions ask of their joints, by the identity of their sections."""
+
+
+def law_to_rest(section: Section, limits: JointLimits, t: float, known: Envelopes) -> Law:
+    """Give the law that leaves a section's own at a time and comes to rest along its path.
+
+    Args:
+        section: The section; it ends at rest.
+        limits: What the joints may do.
+        t: When it is left, from 0 to the end of its law, s.
+        known: What earlier calls have found of sections, by identity; is added to.
+    """
+    law = section.law
+    if limits.qddd_max is None and isinstance(law, TimeLaw):
+        s, speed, _ = law.at(t)
+        return brake(section.path, limits, law, s, speed)
+    if id(section) not in known:
+        known[id(section)] = Envelope.of(section, section.nodes(), (0.0, law.duration), limits)
+    pace = slow_down(known[id(section)], t)
+    if pace is None or pace.t[-1] >= law.duration - t:
+        return law.between(t, law.duration)
+    return PacedLaw(law, pace)
 
 
 def brake(path: JointPath, limits: JointLimits, law: TimeLaw, s: float, speed: float) -> TimeLaw:

@@ -38,6 +38,7 @@ class JointTrajectory:
     """How long the motion takes, s."""
     q_goal: FloatArray = field(init=False)
     """Where it ends, shape (n,), rad or m."""
+    _envelopes: stopping.Envelopes = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "q_start", frozen_array(self.q_start, (self.limits.n,), "q_start"))
@@ -127,8 +128,9 @@ class JointTrajectory:
         """Give the motion that leaves this one at a time and slows down along the same path.
 
         It begins with the position and velocity that this one has at t, slows down as hard as the
-        joints' accelerations allow, keeps all limits and ends at rest, never beyond where this one
-        would have come to rest next. Where this one rests, the stop takes no time.
+        joints' limits allow, keeps all of them and ends at rest, never beyond where this one would
+        have come to rest next. Where jerk is limited it begins with the acceleration as well. Where
+        this one rests, the stop takes no time.
 
         Args:
             t: When to leave, s; as for ``at``.
@@ -142,8 +144,7 @@ class JointTrajectory:
         section, local = self._section_at(t)
         if local >= section.law.duration:
             return JointTrajectory((), now.q, self.limits)
-        s, speed, _ = section.law.at(local)
-        law = stopping.brake(section.path, self.limits, section.law, s, speed)
+        law = stopping.law_to_rest(section, self.limits, local, self._envelopes)
         if law.duration <= 0.0:
             return JointTrajectory((), now.q, self.limits)
         return JointTrajectory((Section(section.path, law),), now.q, self.limits)
@@ -197,11 +198,7 @@ class JointTrajectory:
         """Give the times between which the motion is smooth, rising, from 0 to the duration."""
         parts = [np.array([0.0, self.duration])]
         for start, section in zip(self.starts, self.sections, strict=True):
-            law = section.law
-            breaks = section.path.breaks
-            inner = breaks[(breaks > law.s[0]) & (breaks < law.s[-1])]
-            passed = np.array([law.time_at(float(s)) for s in inner])
-            parts += [start + law.t, start + passed, np.array([start + section.duration])]
+            parts.append(start + section.nodes())
         return np.unique(np.clip(np.concatenate(parts), 0.0, self.duration))
 
     def _with(self, sections: Iterable[Section]) -> "JointTrajectory":
