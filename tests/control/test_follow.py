@@ -1,11 +1,13 @@
 import os
 import signal
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from splinearm.control.clock import StepClock
 from splinearm.control.follow import Loop, Outcome
+from splinearm.control.override import PaceRequest
 from splinearm.control.record import Cycle
 from splinearm.control.stop import StopRequest
 from splinearm.errors import (
@@ -246,3 +248,55 @@ def test_a_loop_refuses_a_period_that_is_not_a_time(arm, clock, guard):
         Loop(driver=arm, clock=clock, guard=guard, period=0.0)
     with pytest.raises(ValueError, match="bridge"):
         Loop(driver=arm, clock=clock, guard=guard, bridge=-1)
+
+
+def test_a_motion_takes_as_long_as_its_pace_says(loops, motion, limits):
+    assert loops.loop.follow(motion, pace=PaceRequest(0.5)) is Outcome.FINISHED
+    half = loops.cycles[-1].t
+    assert half == pytest.approx(2.0 * motion.duration, rel=0.1)
+    assert np.array_equal(loops.cycles[-1].setpoint.q, Q_GOAL)
+    assert_within([cycle.setpoint for cycle in loops.cycles], limits)
+
+
+def test_a_motion_is_paused_and_goes_on(loops, motion, limits):
+    request = PaceRequest()
+
+    def ask(cycle):
+        loops.cycles.append(cycle)
+        if cycle.index == 20:
+            request.pause()
+        if cycle.index == 120:
+            request.resume()
+
+    loop = replace(loops.loop, observe=ask)
+    assert loop.follow(motion, pace=request) is Outcome.FINISHED
+    resting = [c.setpoint.q for c in loops.cycles[110:120]]
+    assert np.ptp(resting, axis=0).max() == 0.0
+    assert 0.0 < np.abs(resting[0] - Q_GOAL).max() < np.abs(motion.q_start - Q_GOAL).max()
+    setpoints = [cycle.setpoint for cycle in loops.cycles]
+    assert_within(setpoints, limits)
+    assert on_the_segment(np.array([s.q for s in setpoints]), motion.q_start, Q_GOAL).max() <= 1e-9
+    assert np.array_equal(setpoints[-1].q, Q_GOAL)
+
+
+def test_a_stop_at_another_pace_is_along_the_path(loops, motion, limits):
+    stop, request = StopRequest(), PaceRequest(0.6)
+
+    def ask(cycle):
+        loops.cycles.append(cycle)
+        if cycle.index == 40:
+            stop.request()
+
+    loop = replace(loops.loop, observe=ask)
+    assert loop.follow(motion, stop, request) is Outcome.STOPPED
+    setpoints = [cycle.setpoint for cycle in loops.cycles]
+    assert_within(setpoints, limits)
+    assert not setpoints[-1].qd.any()
+    assert on_the_segment(np.array([s.q for s in setpoints]), motion.q_start, Q_GOAL).max() <= 1e-9
+    assert any("stopping along the path in" in line for line in loops.said)
+
+
+def test_a_pace_that_means_nothing_is_refused():
+    for pace in (-0.1, 1.6, np.nan):
+        with pytest.raises(ValueError, match=r"pace: want a share from 0 to 1\.5"):
+            PaceRequest(pace)

@@ -13,11 +13,13 @@ from enum import Enum
 from splinearm.drivers.base import ArmDriver
 from splinearm.errors import BusError, LimitError, MotionError, StaleFeedbackError
 from splinearm.joints import JointSetpoint, JointState
+from splinearm.trajectories.pace import PacedMotion
 from splinearm.trajectories.trajectory import JointTrajectory
 
 from .clock import Clock
 from .collector import collector_suspended
 from .guard import Guard
+from .override import PaceRequest
 from .record import Cycle
 from .stop import StopRequest
 
@@ -63,12 +65,18 @@ class Loop:
         if self.bridge < 0:
             raise ValueError(f"bridge: want 0 cycles or more, got {self.bridge}")
 
-    def follow(self, trajectory: JointTrajectory, stop: StopRequest | None = None) -> Outcome:
+    def follow(
+        self,
+        trajectory: JointTrajectory,
+        stop: StopRequest | None = None,
+        pace: PaceRequest | None = None,
+    ) -> Outcome:
         """Carry out a motion; SIGINT and SIGTERM stop the arm along its path.
 
         Args:
             trajectory: The motion; it starts where the arm stands, at rest.
             stop: Where another thread may ask for a stop; None: one of its own.
+            pace: Where another thread may ask for another pace; None: it goes as planned.
 
         Raises:
             LimitError: Before anything moves, if the motion breaks a limit.
@@ -79,16 +87,43 @@ class Loop:
         self.guard.admit(trajectory, self.period)
         self.guard.begin(trajectory, self.driver.read(), self.driver.goal)
         with collector_suspended(), stop if stop is not None else StopRequest() as request:
-            return _Run(self, trajectory, request).to_end()
+            return _Run(self, trajectory, request, pace).to_end()
+
+
+class _Paced:
+    """A motion at a pace that is asked for while it runs."""
+
+    def __init__(self, motion: PacedMotion, request: PaceRequest) -> None:
+        self.motion = motion
+        self.request = request
+        self.cycle = 0
+
+    def at_cycle(self, index: int) -> JointSetpoint:
+        """Give the setpoint of a cycle, which is not before the last one."""
+        while self.cycle < index:
+            self.motion.ask(self.request.pace)
+            self.motion.step()
+            self.cycle += 1
+        return self.motion.setpoint()
 
 
 class _Run:
     """One motion under way."""
 
-    def __init__(self, loop: Loop, trajectory: JointTrajectory, stop: StopRequest) -> None:
+    def __init__(
+        self,
+        loop: Loop,
+        trajectory: JointTrajectory,
+        stop: StopRequest,
+        pace: PaceRequest | None = None,
+    ) -> None:
         self.loop = loop
         self.motion = trajectory
         self.stop = stop
+        # while there is one, it says where the motion is; a stop is a motion of its own
+        self.paced: _Paced | None = None
+        if pace is not None and trajectory.duration > 0.0:
+            self.paced = _Paced(PacedMotion(trajectory, loop.period), pace)
         self.fault: MotionError | None = None
         self.stopping = False
         self.lost = 0
@@ -118,9 +153,17 @@ class _Run:
     @property
     def motion_t(self) -> float:
         """Time along the motion in this cycle, s."""
+        if self.paced is not None:
+            return self.paced.motion.motion_t
         return (self.index - self.anchor_index) * self.loop.period + self.anchor_t
 
     def _setpoint(self) -> JointSetpoint:
+        if self.paced is not None:
+            setpoint = self.paced.at_cycle(self.index)
+            if not self.paced.motion.finished:
+                return setpoint
+            self.paced = None
+            self._anchor(self.motion.duration)
         return self.motion.at(min(self.motion_t, self.motion.duration))
 
     def _cycle(self, lateness: float) -> tuple[JointSetpoint, JointState | None]:
@@ -220,8 +263,10 @@ class _Run:
             return
         self.stopping = True
         self.fault = fault
-        now = min(self.motion_t, self.motion.duration)
-        self.motion = self.motion.stop_from(now)
+        if self.paced is not None:
+            self.motion, self.paced = self.paced.motion.stop(), None
+        else:
+            self.motion = self.motion.stop_from(min(self.motion_t, self.motion.duration))
         self._anchor(0.0)
         why = "stop asked for" if fault is None else str(fault)
         self.loop.announce(f"{why}: stopping along the path in {self.motion.duration:.2f} s")

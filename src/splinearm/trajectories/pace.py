@@ -21,6 +21,7 @@ _LOOKS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 _INSIDE = 1e-9
 _STEPS = 200
 _MOST_STEPS = 4000
+_HALVINGS = 60
 
 
 class _Kernels(NamedTuple):
@@ -138,7 +139,8 @@ class PacedMotion:
         self._state = np.array([0.0, 1.0, 0.0])
         self._work = np.empty((3, 3))
         self._asked = 1.0
-        self._t = 0.0
+        self.elapsed = 0.0
+        """Time since the first step, s."""
 
     @property
     def motion_t(self) -> float:
@@ -181,24 +183,44 @@ class PacedMotion:
         self._command[0] = self._asked
 
     def setpoint(self) -> JointSetpoint:
-        """Give where the joints shall be now; its ``t`` is time since the first step."""
+        """Give where the joints shall be now; its ``t`` is ``motion_t``."""
         tau, r, p = self._state.tolist()
         if self.finished:
             r = p = 0.0
         planned = self.trajectory.at(tau)
         return JointSetpoint(
-            t=self._t,
+            t=self.motion_t,
             q=planned.q,
             qd=planned.qd * r,
             qdd=planned.qdd * (r * r) + planned.qd * p,
         )
+
+    def stop(self) -> "JointTrajectory":
+        """Give the motion that slows down from here along the path as soon as the limits allow."""
+        from .paced_law import PacedLaw
+        from .section import Section
+        from .trajectory import JointTrajectory
+
+        motion = self.trajectory
+        now = self.setpoint()
+        rest = JointTrajectory((), now.q, motion.limits)
+        if self.rests:
+            return rest
+        section, local = motion.section_at(self.motion_t)
+        state = np.array([local, *self._state[1:]])
+        if state[0] >= section.law.duration:
+            return rest
+        nodes, span = section.nodes(), (0.0, section.law.duration)
+        envelope = Envelope.of(section, nodes, span, motion.limits)
+        law = PacedLaw(section.law, slow_down(envelope, state))
+        return JointTrajectory((Section(section.path, law),), now.q, motion.limits)
 
     def step(self) -> JointSetpoint:
         """Go on by one period and give the setpoint there."""
         if not self.finished:
             e = self._envelope
             _kernels().step(e.edges, e.box, e.limits, self._command, self._state, self._work)
-        self._t += float(self._command[1])
+        self.elapsed += float(self._command[1])
         return self.setpoint()
 
 
@@ -217,23 +239,37 @@ class Pace(NamedTuple):
     """Second derivative from there on, shape (m,), 1/s2."""
 
 
-def slow_down(envelope: Envelope, start: float) -> Pace | None:
+def slow_down(envelope: Envelope, state: FloatArray) -> Pace:
     """Give the pace by which a motion comes to rest on its path as soon as the limits allow.
 
     Args:
-        envelope: The motion, under way at its own pace; it ends at rest.
-        start: When it is left, s.
+        envelope: The motion; it ends at rest.
+        state: Its time, its pace and how that changes, when it is left, shape (3,).
 
     Returns:
-        The pace; None if the motion ends before.
+        The pace, to its rest or to the end of the motion.
     """
-    h = min(max((float(envelope.edges[-1]) - start) / _STEPS, 1e-4), 1e-2)
+    end = float(envelope.edges[-1])
+    h = min(max((end - float(state[0])) / _STEPS, 1e-4), 1e-2)
     out = np.empty((_MOST_STEPS, 4))
-    state = np.array([start, 1.0, 0.0])
     command = np.array([0.0, h, envelope.highest_push, 1.0, 1.0])
     e = envelope
-    count = _kernels().run(e.edges, e.box, e.limits, command, state, np.empty((3, 3)), out)
+    moved = np.array(state)
+    count = _kernels().run(e.edges, e.box, e.limits, command, moved, np.empty((3, 3)), out)
     rows = out[:count]
-    if rows[-1, 1] != 0.0 or rows[-1, 2] != 0.0:
-        return None
-    return Pace(h * np.arange(count), rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3])
+    pace = Pace(h * np.arange(count), rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3])
+    return pace if rows[-1, 0] < end else _until(pace, end)
+
+
+def _until(pace: Pace, end: float) -> Pace:
+    """Give a pace up to the moment at which a motion ends."""
+    t, tau, r, p, w = (values[-2] for values in pace)
+    low, high = 0.0, float(pace.t[-1] - t)
+    for _ in range(_HALVINGS):
+        dt = 0.5 * (low + high)
+        if tau + dt * (r + dt * (0.5 * p + dt * w / 6.0)) < end:
+            low = dt
+        else:
+            high = dt
+    last = (t + high, end, r + high * (p + 0.5 * high * w), p + high * w, 0.0)
+    return Pace(*(np.append(v[:-1], x) for v, x in zip(pace, last, strict=True)))

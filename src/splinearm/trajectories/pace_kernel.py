@@ -23,10 +23,12 @@ from splinearm.compiled import kernel
 
 _SLACK = 1e-9
 _MOST_STEPS = 400
-_EFFORTS = 6
+_GOALS = 5
+_NEARER = 0.4
+_EFFORTS = 5
 _AGAIN = 4
 """So many steps of a way are taken before a quicker one is looked for."""
-_LESS = 0.5
+_LESS = 0.4
 _ROUNDING = 1e-12
 _FULL = 1.0 + 1e-12
 
@@ -212,20 +214,22 @@ def choose_push(
     leads to and its effort.
     """
     target, h, most = command[0], command[1], command[2]
-    after = work[2]
-    safe = min(target, 1.0)
-    effort = 1.0
-    for _ in range(_EFFORTS):
-        w = push_towards(edges, box, limits, state, target, effort, most, h)
-        copy(state, after)
-        advance(after, w, h)
-        clean(after, target)
-        if step_is_allowed(edges, box, limits, state, after, w) and reaches(
-            edges, box, limits, after, safe, effort, most, h, work
-        ):
-            command[3], command[4] = safe, effort
-            return w
-        effort *= _LESS
+    after, goal = work[2], target
+    for _ in range(_GOALS):
+        effort = 1.0
+        for _attempt in range(_EFFORTS):
+            w = push_towards(edges, box, limits, state, goal, effort, most, h)
+            copy(state, after)
+            advance(after, w, h)
+            clean(after, goal)
+            if step_is_allowed(edges, box, limits, state, after, w) and reaches(
+                edges, box, limits, after, min(goal, 1.0), effort, most, h, work
+            ):
+                command[3], command[4] = min(goal, 1.0), effort
+                return w
+            effort *= _LESS
+        # not all the way yet: as far as it goes
+        goal = state[1] + _NEARER * (goal - state[1])
     return push_towards(edges, box, limits, state, command[3], command[4], most, h)
 
 

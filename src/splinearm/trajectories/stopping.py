@@ -49,8 +49,8 @@ def law_to_rest(section: Section, limits: JointLimits, t: float, known: Envelope
         return brake(section.path, limits, law, s, speed)
     if id(section) not in known:
         known[id(section)] = Envelope.of(section, section.nodes(), (0.0, law.duration), limits)
-    pace = slow_down(known[id(section)], t)
-    if pace is None or pace.t[-1] >= law.duration - t:
+    pace = slow_down(known[id(section)], np.array([t, 1.0, 0.0]))
+    if pace.t[-1] >= law.duration - t:
         return law.between(t, law.duration)
     return PacedLaw(law, pace)
 

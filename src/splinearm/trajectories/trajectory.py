@@ -86,7 +86,7 @@ class JointTrajectory:
             rest = np.zeros(self.n)
             q = self.q_start if t < 0.0 or not self.sections else self.q_goal
             return JointSetpoint(t=t, q=q, qd=rest, qdd=rest)
-        section, local = self._section_at(t)
+        section, local = self.section_at(t)
         q, qd, qdd = section.at(local)
         return JointSetpoint(t=t, q=q, qd=qd, qdd=qdd)
 
@@ -141,7 +141,7 @@ class JointTrajectory:
         now = self.at(t)
         if t <= 0.0 or t >= self.duration:
             return JointTrajectory((), now.q, self.limits)
-        section, local = self._section_at(t)
+        section, local = self.section_at(t)
         if local >= section.law.duration:
             return JointTrajectory((), now.q, self.limits)
         law = stopping.law_to_rest(section, self.limits, local, self._envelopes)
@@ -194,6 +194,11 @@ class JointTrajectory:
         """
         return time_curve.fit(self, tolerance)
 
+    def section_at(self, t: float) -> tuple[Section, float]:
+        """Give the section at a time within the motion, and the time since its beginning."""
+        i = bisect_right(self.starts, t) - 1
+        return self.sections[i], t - self.starts[i]
+
     def nodes(self) -> FloatArray:
         """Give the times between which the motion is smooth, rising, from 0 to the duration."""
         parts = [np.array([0.0, self.duration])]
@@ -223,9 +228,3 @@ class JointTrajectory:
             if here.size:
                 shares.append((section, here, local[here]))
         return shares
-
-    def _section_at(self, t: float) -> tuple[Section, float]:
-        """Give the section at a time within the motion, and the time since its beginning."""
-        i = bisect_right(self.starts, t) - 1
-        section = self.sections[i]
-        return section, t - self.starts[i]
