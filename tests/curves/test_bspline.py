@@ -8,6 +8,8 @@ from splinearm.curves import basis
 from splinearm.curves.bspline import BSpline
 from splinearm.errors import CurveError
 
+pytestmark = pytest.mark.kernel
+
 
 @st.composite
 def curves(draw, min_degree=0):
@@ -220,3 +222,71 @@ def test_a_parabola_has_its_known_length():
     # y = x^2 from 0 to 1: sqrt(5)/2 + asinh(2)/4
     parabola = BSpline([0, 0, 0, 1, 1, 1], [[0.0, 0.0], [0.5, 0.0], [1.0, 1.0]], 2)
     assert parabola.length() == pytest.approx(np.sqrt(5) / 2 + np.arcsinh(2) / 4, rel=1e-14)
+
+
+@pytest.mark.property
+@settings(max_examples=50, deadline=None)
+@given(curves(), st.integers(0, 2**32 - 1))
+def test_rational_curves_are_quotients(curve, seed):
+    weights = np.random.default_rng(seed).uniform(0.3, 3.0, len(curve.points))
+    nurbs = BSpline(curve.knots, curve.points, curve.degree, weights)
+    assert nurbs.dim == 3
+    assert nurbs.homogeneous.shape == (len(weights), 4)
+    rows = nurbs.homogeneous
+    top = scipy.interpolate.BSpline(curve.knots, rows[:, :3], curve.degree)
+    below = scipy.interpolate.BSpline(curve.knots, rows[:, 3:], curve.degree)
+    u = np.setdiff1d(inside(curve), curve.breaks)
+    A, w = top(u), below(u)
+    A1, w1 = (top(u, nu=1), below(u, nu=1)) if curve.degree else (0.0 * A, 0.0 * w)
+    A2, w2 = (top(u, nu=2), below(u, nu=2)) if curve.degree > 1 else (0.0 * A, 0.0 * w)
+    C = A / w
+    C1 = (A1 - w1 * C) / w
+    C2 = (A2 - 2.0 * w1 * C1 - w2 * C) / w
+    jet = nurbs.jet(u, 2)
+    for order, wanted in enumerate((C, C1, C2)):
+        scale = max(1.0, np.abs(wanted).max())
+        assert np.allclose(jet[:, order], wanted, rtol=0, atol=1e-12 * scale)
+        assert np.array_equal(nurbs.at(u, order), nurbs.jet(u, order)[:, order])
+    back = BSpline.from_homogeneous(curve.knots, rows, curve.degree)
+    assert np.allclose(back.points, nurbs.points, rtol=1e-15, atol=1e-15)
+
+
+def test_equal_weights_change_nothing():
+    rng = np.random.default_rng(2)
+    points = rng.normal(size=(6, 2))
+    plain = BSpline([0, 0, 0, 0, 1, 2, 3, 3, 3, 3], points, 3)
+    nurbs = BSpline(plain.knots, points, 3, np.full(6, 0.25))
+    u = np.linspace(0.0, 3.0, 50)
+    for order in range(5):
+        assert np.allclose(nurbs.at(u, order), plain.at(u, order), rtol=0, atol=1e-13)
+    assert plain.homogeneous[:, -1].tolist() == [1.0] * 6
+    assert not plain.is_rational
+
+
+def test_a_circle_of_weights_is_round(circle):
+    u = np.linspace(0.0, 4.0, 1001)
+    assert np.abs(np.linalg.norm(circle.at(u), axis=1) - 1.0).max() < 1e-15
+    assert circle.length() == pytest.approx(2.0 * np.pi, rel=1e-15)
+    assert circle.at(1.5, 1) @ circle.at(1.5) == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("weights", [[1.0, 0.0], [1.0, -2.0], [1.0, float("nan")], [1.0], 1.0])
+def test_weights_are_positive_numbers(weights):
+    with pytest.raises(ValueError, match="weights: want"):
+        BSpline([0, 0, 1, 1], [[0.0], [1.0]], 1, weights)
+    with pytest.raises(ValueError, match="weights: want"):
+        BSpline.closed([0.0, 1.0, 2.0], [[0.0], [1.0]], 1, weights)
+
+
+def test_homogeneous_points_have_positive_weights():
+    with pytest.raises(ValueError, match="rows: want each weight above 0"):
+        BSpline.from_homogeneous([0, 0, 1, 1], [[0.0, 1.0], [1.0, 0.0]], 1)
+    with pytest.raises(ValueError, match="order: want 0 or more"):
+        BSpline([0, 0, 1, 1], [[0.0], [1.0]], 1).jet(0.5, -1)
+
+
+def test_points_may_come_in_any_order():
+    points = np.array([[0.0, 1.0, 3.0], [2.0, 2.0, 0.0]]).T
+    curve = BSpline([0, 0, 0, 1, 1, 1], points, 2)
+    assert np.array_equal(curve.with_knots([0.5]).points[0], [0.0, 2.0])
+    assert np.array_equal(curve.reversed().sampler().sample(0.0, 0), [[3.0, 0.0]])

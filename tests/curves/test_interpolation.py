@@ -8,6 +8,8 @@ from splinearm.curves import banded
 from splinearm.curves.interpolation import EndDerivatives, choose_parameters, interpolate
 from splinearm.errors import CurveError
 
+pytestmark = pytest.mark.kernel
+
 
 @st.composite
 def point_sets(draw, least=2, most=14):

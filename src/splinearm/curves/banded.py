@@ -1,5 +1,8 @@
 """Linear systems whose matrix has its numbers near the diagonal, on bare arrays."""
 
+import functools
+from collections.abc import Callable
+
 import numpy as np
 
 from splinearm.arrays import FloatArray
@@ -25,7 +28,12 @@ def solve(
     # error analysis for totally positive linear systems, Numer. Math. 27 (1977) 485
     n, width = values.shape
     if n <= 4 * width:
-        return np.asarray(np.linalg.solve(_dense(first, values), rhs), dtype=np.float64)
+        # rows as large as each other: those of derivatives follow the scale of the parameter
+        scale = np.abs(values).max(axis=1, keepdims=True)
+        if not (scale > 0.0).all():
+            raise np.linalg.LinAlgError("singular matrix")
+        solved = np.linalg.solve(_dense(first, values / scale), rhs / scale)
+        return np.asarray(solved, dtype=np.float64)
     if closed:
         return _solve_bordered(first, values, rhs, width)
     return _eliminate(first, values, rhs)
@@ -62,27 +70,18 @@ def _solve_bordered(
 
 def _eliminate(first: IndexArray, values: FloatArray, rhs: FloatArray) -> FloatArray:
     """Solve a system whose row i has its entries around column i."""
-    n, width = values.shape
-    rows = np.arange(n)
-    lower = int(max(0, (rows - first).max()))
-    upper = int(max(0, (first + width - 1 - rows).max()))
-    # band[i, j] is the entry of row i in column i - lower + j
-    band = np.zeros((n, lower + upper + 1))
-    offsets = first[:, None] + np.arange(width) - rows[:, None] + lower
-    band[rows[:, None], offsets] = values
-    x = np.array(rhs)
-    scale = np.abs(values).max(axis=1)
-    for i in range(n):
-        pivot = band[i, lower]
-        if abs(pivot) <= 1e-14 * scale[i]:
-            raise np.linalg.LinAlgError("singular matrix")
-        for k in range(1, min(lower, n - 1 - i) + 1):
-            factor = band[i + k, lower - k] / pivot
-            if factor != 0.0:
-                band[i + k, lower - k : lower - k + upper + 1] -= factor * band[i, lower:]
-                x[i + k] -= factor * x[i]
-    for i in range(n - 1, -1, -1):
-        reach = min(upper, n - 1 - i)
-        x[i] -= band[i, lower + 1 : lower + 1 + reach] @ x[i + 1 : i + 1 + reach]
-        x[i] /= band[i, lower]
+    x = np.array(rhs, dtype=np.float64, order="C")
+    rows = np.ascontiguousarray(values, dtype=np.float64)
+    if _kernel()(first.astype(np.float64), rows, x):
+        raise np.linalg.LinAlgError("singular matrix")
     return x
+
+
+@functools.cache
+def _kernel() -> Callable[..., int]:
+    """Give the elimination, compiled for its arguments."""
+    from splinearm.compiled import entry, inputs, outputs
+
+    from . import collocation_kernel
+
+    return entry(collocation_kernel.eliminate, *inputs(1, 2), *outputs(2))

@@ -5,6 +5,9 @@ Nothing is checked here. A parameter beyond the domain would be extrapolated: ca
 curve is not smooth, values come from the right, at the end of the domain from the left.
 """
 
+import functools
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 
@@ -73,28 +76,37 @@ def evaluate_one(
 
 
 def basis_values(
-    knots: FloatArray, degree: int, spans: IndexArray, u: FloatArray, derivative: int = 0
+    knots: FloatArray,
+    degree: int,
+    spans: IndexArray,
+    u: FloatArray,
+    derivative: int | FloatArray = 0,
 ) -> FloatArray:
     """Give a derivative of the degree + 1 basis functions alive at each u, shape (k, degree + 1).
 
-    Column j belongs to control point ``spans - degree + j``.
+    Column j belongs to control point ``spans - degree + j``. ``derivative`` is one for all, or
+    that of each parameter, shape (k,).
     """
-    # Cox-de Boor recurrence (Piegl and Tiller, The NURBS Book, 2nd ed. 1997, eq. 2.5 and 2.7)
-    values = np.ones((u.size, 1))
-    if derivative > degree:
-        return np.zeros((u.size, degree + 1))
-    for d in range(1, degree + 1):
-        low = knots[spans[:, None] + np.arange(1 - d, 1)]
-        high = knots[spans[:, None] + np.arange(1, d + 1)]
-        weights = values / (high - low)
-        values = np.zeros((u.size, d + 1))
-        if d > degree - derivative:
-            values[:, :-1] -= d * weights
-            values[:, 1:] += d * weights
-        else:
-            values[:, :-1] += (high - u[:, None]) * weights
-            values[:, 1:] += (u[:, None] - low) * weights
+    orders = np.broadcast_to(np.asarray(derivative, dtype=np.float64), u.shape)
+    values = np.empty((u.size, degree + 1))
+    _kernel()(
+        knots,
+        spans.astype(np.float64),
+        np.ascontiguousarray(u, dtype=np.float64),
+        np.ascontiguousarray(orders),
+        values,
+    )
     return values
+
+
+@functools.cache
+def _kernel() -> Callable[..., None]:
+    """Give what computes basis functions, compiled for its arguments."""
+    from splinearm.compiled import entry, inputs, outputs
+
+    from . import collocation_kernel
+
+    return entry(collocation_kernel.basis_into, *inputs(1, 1, 1, 1), *outputs(2))
 
 
 def derivative_points(

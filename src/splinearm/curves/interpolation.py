@@ -120,15 +120,8 @@ def interpolate(
 def _open(points: FloatArray, u: FloatArray, degree: int, ends: Ends | EndDerivatives) -> BSpline:
     conditions, knots = _open_conditions(points, u, degree, ends)
     spans = basis.find_spans(knots, degree, conditions.u)
-    rows = np.empty((conditions.u.size, degree + 1))
-    for order in np.unique(conditions.order):
-        chosen = conditions.order == order
-        rows[chosen] = basis.basis_values(
-            knots, degree, spans[chosen], conditions.u[chosen], int(order)
-        )
-    # a row of a derivative is as large as a power of the curve's scale: even them out
-    scale = np.abs(rows).max(axis=1, keepdims=True)
-    solved = banded.solve(spans - degree, rows / scale, conditions.values / scale)
+    rows = basis.basis_values(knots, degree, spans, conditions.u, conditions.order)
+    solved = banded.solve(spans - degree, rows, conditions.values)
     return BSpline(knots, solved, degree)
 
 
