@@ -7,6 +7,7 @@ import pytest
 
 from splinearm.curves.interpolation import interpolate
 from splinearm.joints import JointKind, JointLimits
+from splinearm.kinematics import quaternion
 from splinearm.kinematics.arm import Arm
 from splinearm.kinematics.dh import DHConvention, DHLink
 from splinearm.trajectories.joint_path import JointPath
@@ -111,3 +112,39 @@ def make_motion() -> Callable[..., JointTrajectory]:
         return JointTrajectory(sections, path.at(path.domain[0])[0], limits)
 
     return motion
+
+
+@pytest.fixture(scope="session")
+def orientation_differences() -> Callable[..., tuple[np.ndarray, np.ndarray]]:
+    """Gives angular velocity and acceleration by differences of sixth order of orientations."""
+    # Fornberg, Math. Comp. 51 (1988) 699, tables 1 and 2
+    first = np.array((-1 / 60, 3 / 20, -3 / 4, 0.0, 3 / 4, -3 / 20, 1 / 60))
+    second = np.array((1 / 90, -3 / 20, 3 / 2, -49 / 18, 3 / 2, -3 / 20, 1 / 90))
+
+    def rates(curve, u: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
+        around = np.stack([curve.at(u + k * step).quat for k in range(-3, 4)])
+        apart = quaternion.multiply(around, quaternion.conjugate(around[3]))
+        vectors = quaternion.log(apart)
+        return (
+            np.einsum("k,kmi->mi", first, vectors) / step,
+            np.einsum("k,kmi->mi", second, vectors) / step**2,
+        )
+
+    return rates
+
+
+@pytest.fixture(scope="session")
+def make_chain() -> Callable[..., tuple[np.ndarray, np.ndarray]]:
+    """Gives m + 1 rising parameters and m orientations, neighbours so far apart, rad."""
+
+    def make(seed: int, m: int, apart: float) -> tuple[np.ndarray, np.ndarray]:
+        rng = np.random.default_rng(seed)
+        turns = rng.normal(size=(m, 3))
+        turns *= apart / np.linalg.norm(turns, axis=1, keepdims=True)
+        quats = [quaternion.random(rng)]
+        for turn in turns[1:]:
+            quats.append(quaternion.multiply(quats[-1], quaternion.exp(turn)))
+        u = np.concatenate(([0.0], np.cumsum(rng.uniform(0.4, 1.2, m))))
+        return u, np.array(quats) * rng.choice([-1.0, 1.0], m)[:, None]
+
+    return make

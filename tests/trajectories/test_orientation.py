@@ -7,10 +7,8 @@ from splinearm.errors import CurveError
 from splinearm.kinematics import quaternion
 from splinearm.trajectories.orientation import (
     ConstantOrientation,
-    RotationPolyline,
     interpolate_orientations,
 )
-from splinearm.trajectories.rotation_spline import body_rates
 
 
 @st.composite
@@ -23,7 +21,7 @@ def chains(draw, least=2):
     quats = [quaternion.exp(rng.normal(size=3))]
     for turn in turns[1:]:
         quats.append(quaternion.multiply(quats[-1], quaternion.exp(turn)))
-    u = np.concatenate(([0.0], np.cumsum(rng.uniform(0.3, 1.5, m))))
+    u = np.concatenate(([0.0], np.cumsum(rng.uniform(0.4, 1.2, m))))
     return u, np.array(quats) * rng.choice([-1.0, 1.0], m)[:, None]
 
 
@@ -34,7 +32,7 @@ def rates_by_differences(curve, u, step):
 
 
 @pytest.mark.property
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(chains(), st.booleans())
 def test_the_curve_is_unit_and_passes_all_orientations(chain, closed):
     u, quats = chain
@@ -47,7 +45,7 @@ def test_the_curve_is_unit_and_passes_all_orientations(chain, closed):
 
 
 @pytest.mark.property
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(chains(least=3), st.booleans())
 def test_angular_velocity_and_acceleration_are_those_of_differences(chain, closed):
     u, quats = chain
@@ -62,7 +60,7 @@ def test_angular_velocity_and_acceleration_are_those_of_differences(chain, close
 
 
 @pytest.mark.property
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(chains(least=3))
 def test_the_curve_is_c2_across_its_knots(chain):
     u, quats = chain
@@ -74,7 +72,7 @@ def test_the_curve_is_c2_across_its_knots(chain):
 
 
 @pytest.mark.property
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(chains(least=2))
 def test_a_closed_curve_comes_back_with_velocity_and_acceleration(chain):
     u, quats = chain
@@ -86,7 +84,7 @@ def test_a_closed_curve_comes_back_with_velocity_and_acceleration(chain):
 
 
 @pytest.mark.property
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(chains(least=2), st.integers(0, 999))
 def test_the_curve_turns_with_the_frame_it_is_written_in(chain, seed):
     u, quats = chain
@@ -100,7 +98,7 @@ def test_the_curve_turns_with_the_frame_it_is_written_in(chain, seed):
 
 
 @pytest.mark.property
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(chains(least=3))
 def test_open_ends_have_no_angular_acceleration(chain):
     u, quats = chain
@@ -109,7 +107,7 @@ def test_open_ends_have_no_angular_acceleration(chain):
 
 
 @pytest.mark.property
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.integers(0, 999))
 def test_turns_about_one_axis_are_a_natural_cubic_of_the_angle(seed):
     scipy_interpolate = pytest.importorskip("scipy.interpolate")
@@ -135,6 +133,13 @@ def test_one_orientation_or_equal_ones_give_a_constant():
         assert quaternion.angle_between(at.quat, quat).max() == 0.0
         assert not at.omega.any()
         assert not at.alpha.any()
+        state = np.ones(10)
+        curve.into(0.0, state)
+        assert np.allclose(state, [*at.quat[0], *np.zeros(6)], rtol=0, atol=0)
+        with pytest.raises(ValueError, match="state: want shape"):
+            curve.into(0.0, np.ones(9))
+        with pytest.raises(CurveError, match="orientation: defined from"):
+            curve.into(-0.1, state)
 
 
 def test_two_orientations_are_an_even_turn():
@@ -145,54 +150,151 @@ def test_two_orientations_are_an_even_turn():
     )
     at = curve.at(np.array([1.0, 2.0, 3.0]))
     assert np.allclose(at.omega, quaternion.rotate(start, turn) / 2.0)
-    assert np.abs(at.alpha).max() < 1e-15
+    assert np.abs(at.alpha).max() < 1e-14
     half = quaternion.multiply(start, quaternion.exp(0.5 * turn))
     assert quaternion.angle_between(at.quat[1], half) < 1e-15
 
 
 @pytest.mark.property
-@settings(max_examples=50, deadline=None)
-@given(chains(least=3), st.floats(0.1, 1.0))
-def test_a_rounded_chain_of_turns_is_c2(chain, share):
-    u, quats = chain
-    u = u[:-1]
-    steps = np.diff(u)
-    widths = np.zeros(len(u))
-    widths[1:-1] = 0.5 * share * np.minimum(steps[:-1], steps[1:])
-    curve = RotationPolyline(u, quats, widths)
-    at = np.linspace(u[0], u[-1], 97)[1:-1]
-    at = at[np.abs(at[:, None] - curve.breaks).min(axis=1) > 1e-4]
-    omega, alpha = rates_by_differences(curve, at, 1e-6)
-    here = curve.at(at)
-    assert np.allclose(here.omega, omega, atol=1e-5)
-    assert np.allclose(here.alpha, alpha, atol=1e-3)
-    step = 1e-9
-    inner = curve.breaks[1:-1]
-    before, behind = curve.at(inner - step), curve.at(inner + step)
-    assert np.allclose(before.omega, behind.omega, atol=1e-4)
-    assert np.allclose(before.alpha, behind.alpha, atol=1e-3)
-    assert quaternion.angle_between(curve.at(u[[0, -1]]).quat, quats[[0, -1]]).max() < 1e-14
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 999), st.integers(3, 8), st.sampled_from([3, 5]))
+def test_given_velocities_hold_at_the_ends(make_chain, seed, m, degree):
+    u, quats = make_chain(seed, m, 1.5)
+    start, end = np.random.default_rng(seed).normal(size=(2, 3))
+    curve = interpolate_orientations(u[:-1], quats, degree=degree, omega_start=start, omega_end=end)
+    assert quaternion.angle_between(curve.at(u[:-1]).quat, quats).max() < 1e-11
+    omega = curve.at(np.array(curve.domain)).omega
+    assert np.allclose(omega, [start, end], rtol=0, atol=1e-10)
+
+
+def test_one_end_may_be_given_and_a_curve_may_start_from_rest_and_return():
+    quat = quaternion.exp(np.array([0.1, 0.2, 0.3]))
+    curve = interpolate_orientations(
+        [0.0, 1.0], [quat, -quat], omega_start=[0.0, 0.0, 2.0], omega_end=None
+    )
+    ends = curve.at(np.array([0.0, 1.0]))
+    assert np.allclose(ends.omega[0], [0.0, 0.0, 2.0], atol=1e-12)
+    assert np.abs(ends.alpha[1]).max() < 1e-12
+    assert quaternion.angle_between(ends.quat, quat).max() < 1e-14
 
 
 @pytest.mark.property
-@settings(max_examples=50, deadline=None)
-@given(st.integers(0, 9999), st.floats(1e-9, 6.0))
-def test_body_rates_are_those_of_differences_at_any_angle(seed, angle):
-    rng = np.random.default_rng(seed)
-    f, fd, fdd = rng.normal(size=(3, 1, 3))
-    f *= angle / np.linalg.norm(f)
-    step = 1e-4
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 999))
+def test_a_quintic_curve_has_a_jerk_that_does_not_jump(make_chain, seed):
+    u, quats = make_chain(seed, 6, 1.0)
+    curve = interpolate_orientations(u[:-1], quats, degree=5)
+    assert quaternion.angle_between(curve.at(u[:-1]).quat, quats).max() < 1e-11
+    step, inner = 1e-5, u[1:-2]
+    at, before, behind = (curve.at(inner + k * step).alpha for k in (0, -1, 1))
+    assert np.allclose(behind - at, at - before, rtol=0, atol=1e-3 * step * np.abs(at).max() + 1e-6)
 
-    def rotation(x):
-        return quaternion.exp(f + x * fd + 0.5 * x * x * fdd)
 
-    here, back, ahead = rotation(0.0), rotation(-step), rotation(step)
-    inverse = quaternion.conjugate(here)
-    forth = quaternion.log(quaternion.multiply(inverse, ahead))
-    behind = quaternion.log(quaternion.multiply(inverse, back))
-    omega, alpha = body_rates(f, fd, fdd)
-    assert np.allclose((forth - behind) / (2 * step), omega, atol=1e-5)
-    assert np.allclose((forth + behind) / step**2, alpha, atol=1e-4)
+@pytest.mark.parametrize("apart", [1e-12, 1e-6, 3.1, 3.1415, np.pi])
+@pytest.mark.parametrize("closed", [False, True])
+def test_it_passes_orientations_that_are_nearly_one_or_half_a_turn_apart(make_chain, apart, closed):
+    for seed in range(10):
+        u, quats = make_chain(seed, 7, apart)
+        curve = interpolate_orientations(u if closed else u[:-1], quats, closed=closed)
+        here = curve.at(u[:-1])
+        assert quaternion.angle_between(here.quat, quats).max() < 1e-11
+        if not closed:
+            largest = np.abs(curve.at(np.linspace(*curve.domain, 300)).omega).max()
+            assert largest < 12.0 * apart / np.diff(u).min()
+
+
+@pytest.mark.parametrize("unit", [1e-7, 1e6])
+@pytest.mark.parametrize("degree", [3, 5])
+def test_the_unit_of_the_parameter_does_not_matter(make_chain, unit, degree):
+    u, quats = make_chain(8, 9, 1.5)
+    u, omega = u[:-1], np.array([0.5, -1.0, 0.2])
+    plain = interpolate_orientations(u, quats, degree=degree, omega_end=omega)
+    scaled = interpolate_orientations(u * unit, quats, degree=degree, omega_end=omega / unit)
+    at = np.linspace(u[0], u[-1] * (1.0 - 1e-12), 50)
+    here, there = plain.at(at), scaled.at(at * unit)
+    assert quaternion.angle_between(here.quat, there.quat).max() < 1e-11
+    assert np.allclose(there.omega * unit, here.omega, rtol=0, atol=1e-10)
+    assert np.allclose(there.alpha * unit**2, here.alpha, rtol=0, atol=1e-9)
+
+
+def test_half_a_turn_is_taken_one_of_the_two_ways():
+    quats = [[1.0, 0, 0, 0], [0.0, 1.0, 0, 0], [1.0, 0, 0, 0]]
+    at = interpolate_orientations([0.0, 1.0, 2.0], quats).at(np.linspace(0.0, 2.0, 21))
+    assert np.abs(at.omega[:, 1:]).max() < 1e-12
+    assert np.abs(at.omega[:, 0]).max() > 3.0
+
+
+def test_a_curve_that_would_turn_wildly_is_refused_with_the_place():
+    # a step that is long beside short ones with great turns
+    quats = quaternion.random(np.random.default_rng(4), 4)
+    with pytest.raises(CurveError, match=r"degree 3 was found: .* between orientations 1 and 2 \("):
+        interpolate_orientations([0.0, 0.01, 1.0, 1.01], quats)
+
+
+def test_it_swings_out_no_farther_than_a_spline_of_vectors_would():
+    # steps of a tool that sometimes moves and sometimes turns
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        turns = rng.normal(size=(7, 3))
+        angles = rng.choice([0.01, 0.3, 1.0, 3.1], 7)
+        turns *= (angles / np.linalg.norm(turns, axis=1))[:, None]
+        quats = [quaternion.random(rng)]
+        for turn in turns:
+            quats.append(quaternion.multiply(quats[-1], quaternion.exp(turn)))
+        steps = np.maximum(np.exp(rng.uniform(np.log(1e-3), 0.0, 7)), 0.1 * angles)
+        curve = interpolate_orientations(np.append(0.0, np.cumsum(steps)), np.array(quats))
+        speeds = np.linalg.norm(curve.at(np.linspace(*curve.domain, 500)).omega, axis=1)
+        assert speeds.max() < 40.0, "the quickest pair alone turns at 10"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("uneven", [1.0, 3.0])
+def test_any_orientations_at_rather_even_parameters_have_a_cubic_curve(uneven):
+    for seed in range(1000):
+        rng = np.random.default_rng(seed)
+        m = int(rng.integers(2, 20))
+        quats = quaternion.random(rng, m)
+        u = np.concatenate(([0.0], np.cumsum(rng.uniform(1.0, uneven, m - 1))))
+        curve = interpolate_orientations(u, quats)
+        assert quaternion.angle_between(curve.at(u).quat, quats).max() < 1e-10
+
+
+@pytest.mark.slow
+def test_neighbours_within_two_radians_have_a_quintic_curve(make_chain):
+    for seed in range(100):
+        _, quats = make_chain(seed, 2 + seed % 15, 2.0)
+        u = np.arange(float(len(quats)))
+        curve = interpolate_orientations(u, quats, degree=5)
+        assert quaternion.angle_between(curve.at(u).quat, quats).max() < 1e-10
+
+
+def test_the_acceleration_is_no_more_than_that_of_rotation_vectors():
+    transform = pytest.importorskip("scipy.spatial.transform")
+    ratios = []
+    for seed in range(10):
+        quats = quaternion.random(np.random.default_rng(seed), 12)
+        u = np.arange(12.0)
+        peer = transform.RotationSpline(u, transform.Rotation.from_quat(quaternion.to_xyzw(quats)))
+        at = np.linspace(0.0, 11.0, 400)
+        ours = interpolate_orientations(u, quats).at(at).alpha
+        ratios.append(np.linalg.norm(ours) / np.linalg.norm(peer(at, 2)))
+    assert max(ratios) < 1.0
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"degree": 4}, "degree: want 3 or 5, got 4"),
+        ({"omega_start": [1.0, 2.0]}, "omega_start: want shape"),
+        ({"omega_end": [0.0, 0.0, float("nan")]}, "omega_end: want finite"),
+        ({"closed": True, "omega_end": [0.0, 0.0, 1.0]}, "a closed curve and one"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused(options, message):
+    quats = quaternion.exp(np.arange(4.0)[:, None] * np.array([[0.1, 0.2, 0.3]]))
+    u = np.arange(4.0 + options.get("closed", False))
+    with pytest.raises(ValueError, match=message):
+        interpolate_orientations(u, quats, **options)
 
 
 @pytest.mark.parametrize(

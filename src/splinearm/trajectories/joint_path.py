@@ -1,6 +1,5 @@
 """Ways of the joints without time."""
 
-from bisect import bisect_right
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,6 +8,7 @@ from splinearm.arrays import FloatArray
 from splinearm.curves import basis
 from splinearm.curves.basis import IndexArray
 from splinearm.curves.bspline import BSpline
+from splinearm.curves.sampler import Sampler
 from splinearm.errors import CurveError
 
 _ROUNDING = 1e-13
@@ -31,22 +31,16 @@ class JointPath:
     """Ends of the polynomial pieces, shape (k + 1,)."""
     coefficients: FloatArray = field(init=False, repr=False)
     """Of powers of s - breaks[i] on piece i, shape (k, degree + 1, n)."""
-    _starts: list[float] = field(init=False, repr=False)
-    _powers: FloatArray = field(init=False, repr=False)
-    _factors: FloatArray = field(init=False, repr=False)
+    _sampler: Sampler = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         breaks, coefficients = basis.taylor_pieces(
             self.curve.knots, self.curve.points, self.curve.degree
         )
-        j = np.arange(self.curve.degree + 1)
-        factors = np.stack((np.ones(j.size), j, j * (j - 1.0)))
         _check_smooth(breaks, coefficients)
         object.__setattr__(self, "breaks", breaks)
         object.__setattr__(self, "coefficients", coefficients)
-        object.__setattr__(self, "_starts", breaks[1:-1].tolist())
-        object.__setattr__(self, "_powers", np.maximum(j - np.arange(3)[:, None], 0))
-        object.__setattr__(self, "_factors", factors)
+        object.__setattr__(self, "_sampler", self.curve.sampler())
 
     @property
     def n(self) -> int:
@@ -75,11 +69,11 @@ class JointPath:
     def at(self, s: float) -> FloatArray:
         """Give q, its first and its second derivative by s, as rows, shape (3, n).
 
-        Nothing is checked: beyond the domain the outer pieces go on.
+        Nothing is checked: what rounding has carried beyond the domain is its end.
         """
-        piece = bisect_right(self._starts, s)
-        x = s - self.breaks[piece]
-        rows: FloatArray = (self._factors * x**self._powers) @ self.coefficients[piece]
+        rows = np.empty((3, self.curve.dim))
+        start, end = self._sampler.domain
+        self._sampler.into(min(max(s, start), end), rows)
         return rows
 
     def pieces_of(self, s: FloatArray) -> IndexArray:
@@ -95,26 +89,17 @@ class JointPath:
             s: Where, shape (m,).
             pieces: The piece to which each s belongs; by default the one that it lies in.
         """
-        pieces = self.pieces_of(s) if pieces is None else pieces
-        x = (s - self.breaks[pieces])[:, None]
-        c = self.coefficients[pieces]
-        q = np.zeros((len(s), self.n))
-        slope, half_bend = np.zeros_like(q), np.zeros_like(q)
-        for j in range(c.shape[1] - 1, -1, -1):
-            half_bend = half_bend * x + slope
-            slope = slope * x + q
-            q = q * x + c[:, j]
-        return q, slope, 2.0 * half_bend
+        rows = self._rows(s, pieces, 2)
+        return rows[:, 0], rows[:, 1], rows[:, 2]
 
     def third(self, s: FloatArray, pieces: IndexArray | None = None) -> FloatArray:
         """Give the third derivative of q by s at many s, shape (m, n); arguments as above."""
-        pieces = self.pieces_of(s) if pieces is None else pieces
-        x = (s - self.breaks[pieces])[:, None]
-        c = self.coefficients[pieces]
-        value = np.zeros((len(s), self.n))
-        for j in range(c.shape[1] - 1, 2, -1):
-            value = value * x + c[:, j] * (j * (j - 1) * (j - 2))
-        return value
+        return self._rows(s, pieces, 3)[:, 3]
+
+    def _rows(self, s: FloatArray, pieces: IndexArray | None, order: int) -> FloatArray:
+        return self._sampler.sample_pieces(
+            s, self.pieces_of(s) if pieces is None else pieces, order
+        )
 
     def mirrored(self, first: float, last: float) -> "JointPath":
         """Give the same places by the parameter first + last - s, so that the way is backwards."""

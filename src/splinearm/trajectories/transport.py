@@ -14,7 +14,6 @@ _STEP = 0.006
 """Largest turn from node to node, rad."""
 
 _LEAST = 16
-_HALVINGS = 30
 _MOST_NODES = 200_000
 _STILL = 1e-9
 """Where the way goes on at less than this share of its usual rate it has no direction."""
@@ -96,7 +95,7 @@ class TransportedOrientation:
         """Give nodes between which the way turns little; refuse a way that turns on the spot."""
         nodes = self.way.breaks
         nodes = np.unique(np.linspace(nodes[:-1], nodes[1:], _LEAST + 1, axis=1))
-        for _ in range(_HALVINGS):
+        while True:
             slopes = self.way.at(nodes, 1)
             rates = np.linalg.norm(slopes, axis=1)
             if rates.min() <= _STILL * rates.max():
@@ -105,10 +104,10 @@ class TransportedOrientation:
             sharp = np.linalg.norm(np.diff(along, axis=0), axis=1) > _STEP
             if not sharp.any():
                 return nodes
-            if len(nodes) > _MOST_NODES:
-                break
-            nodes = np.sort(np.concatenate((nodes, 0.5 * (nodes[:-1] + nodes[1:])[sharp])))
-        raise _no_direction(nodes[int(np.argmax(sharp))])
+            middles = 0.5 * (nodes[:-1] + nodes[1:])[sharp]
+            if np.isin(middles, nodes).any() or len(nodes) > _MOST_NODES:
+                raise _no_direction(middles[0])
+            nodes = np.sort(np.concatenate((nodes, middles)))
 
 
 def _no_direction(where: float) -> CurveError:
