@@ -20,7 +20,7 @@ def frozen_array(
     *,
     finite: bool = True,
 ) -> FloatArray:
-    """Give a read-only float64 copy of ``values`` after checking its shape and numbers.
+    """Give a read-only contiguous float64 copy of ``values``, its shape and numbers checked.
 
     Args:
         values: Anything numpy can turn into an array of real numbers.
@@ -32,7 +32,7 @@ def frozen_array(
         ValueError: If the numbers are not real, not of that shape, NaN, or not finite.
     """
     try:
-        array = np.array(values, dtype=np.float64)
+        array = np.array(values, dtype=np.float64, order="C")
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name}: want an array of numbers, got {values!r}") from error
     if array.ndim != len(shape) or any(

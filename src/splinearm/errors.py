@@ -11,6 +11,7 @@ servos do is one of these; each keeps its facts as fields in SI and speaks in th
     │   └── SingularityError      the arm has lost a direction there
     ├── TrajectoryError
     │   ├── LimitError            a motion would break a limit of a joint
+    │   │   └── HoldError         a joint cannot hold the arm somewhere on its path
     │   └── CurveError            a curve that cannot be made or asked there
     ├── BusError
     │   ├── PortError             the serial port cannot be used
@@ -173,6 +174,22 @@ class LimitError(TrajectoryError):
         super().__init__(
             f"joint {joint!r}: {quantity} {value * per_si:.6g} {unit} is {relation} its limit "
             f"{limit * per_si:.6g} {unit}{when}; {_REMEDY.get(quantity, 'slow the motion down')}"
+        )
+
+
+class HoldError(LimitError):
+    """A joint cannot hold the arm somewhere on its path, however slowly that is followed."""
+
+    def __init__(
+        self, joint: str, value: float, limit: float, where: str, *, linear: bool = False
+    ) -> None:
+        """Take the facts: the torque it takes to hold the arm, that of the joint, and where."""
+        super().__init__(joint, "torque", value, limit, linear=linear)
+        self.where = where
+        unit = (_LINEAR if linear else _ANGULAR)["torque"][0]
+        self.args = (
+            f"joint {joint!r} cannot hold the arm at {where}: that takes {abs(value):.6g} {unit} "
+            f"and it has {limit:.6g} {unit}; lighten the load or lead the path elsewhere",
         )
 
 

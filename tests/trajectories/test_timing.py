@@ -3,8 +3,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from splinearm.curves.bspline import BSpline
 from splinearm.curves.interpolation import interpolate
-from splinearm.trajectories import timing
+from splinearm.errors import TrajectoryError
 from splinearm.trajectories.constraint import SpeedCap
 from splinearm.trajectories.joint_path import JointPath
 from splinearm.trajectories.leg import straight_path
@@ -137,7 +138,7 @@ def test_the_optimum_is_approached_from_above(make_limits):
     path = JointPath(interpolate(rng.uniform(-2, 2, (8, 7)), degree=5, parameters="uniform"))
     limits = make_limits([2.175] * 4 + [2.61] * 3, [15, 7.5, 10, 12.5, 15, 20, 20])
     law = quickest(path, limits)
-    fine = timing._solve(path, limits, np.linspace(*path.domain, 7 * 1500 + 1), None)
+    fine = quickest(path, limits, cells=7 * 1500)
     assert fine.duration <= law.duration <= 1.002 * fine.duration
 
 
@@ -207,3 +208,192 @@ def test_a_time_law_is_its_own_derivatives_and_inverse():
     slope = (behind[1] - before[1]) / (2 * step)
     assert np.allclose(slope[~near_node], acceleration[middle][~near_node], atol=1e-5)
     assert law.slower(0.5).duration == pytest.approx(2.0 * law.duration)
+
+
+def random_case(rng, make_limits, units=(1.0, 1.0)):
+    """Give a path through random places and limits, in other units of length and of time."""
+    length, time = units
+    n, m = int(rng.integers(1, 8)), int(rng.integers(3, 10))
+    points = rng.uniform(-2.0, 2.0, (m, n)) * length
+    curve = interpolate(points, degree=int(rng.choice([3, 5])), parameters="uniform")
+    qd_max, qdd_max = 10.0 ** rng.uniform(-1, 1, (2, n)) * length
+    return JointPath(curve), make_limits(qd_max / time, qdd_max / time**2)
+
+
+def check_random_paths(seeds, make_limits, worst_use):
+    for seed in seeds:
+        path, limits = random_case(np.random.default_rng(seed), make_limits)
+        law = quickest(path, limits)
+        assert worst_use(trajectory_of(path, law, limits), 10_001) <= 1.0 + 1e-9, seed
+
+
+def test_a_hundred_random_paths_keep_their_limits(make_limits, worst_use):
+    check_random_paths(range(100), make_limits, worst_use)
+
+
+@pytest.mark.slow
+def test_a_thousand_random_paths_keep_their_limits(make_limits, worst_use):
+    check_random_paths(range(100, 1100), make_limits, worst_use)
+
+
+@pytest.mark.parametrize("length", [1e-7, 1e-3, 1.0, 1e6])
+@pytest.mark.parametrize("time", [1e-4, 1.0, 1e4])
+def test_units_of_length_and_time_do_not_matter(length, time, make_limits):
+    for seed in range(3):
+        want = quickest(*random_case(np.random.default_rng(seed), make_limits))
+        path, limits = random_case(np.random.default_rng(seed), make_limits, (length, time))
+        law = quickest(path, limits)
+        assert law.duration == pytest.approx(want.duration * time, rel=1e-9)
+        assert np.allclose(law.t, want.t * time, rtol=1e-6)
+
+
+def test_the_number_of_cells_is_about_the_wanted_one(make_limits):
+    path, limits = random_case(np.random.default_rng(1), make_limits)
+    for cells in (50, 300, 1000):
+        assert 0.8 * cells <= len(quickest(path, limits, cells=cells).s) - 1 <= 1.3 * cells + 40
+
+
+def test_accelerations_alone_scale_with_their_root(make_limits):
+    path, _ = random_case(np.random.default_rng(4), make_limits)
+    ones = np.ones(path.n)
+    want = quickest(path, make_limits(1e6 * ones, ones)).duration
+    for factor in (0.01, 9.0):
+        law = quickest(path, make_limits(1e6 * ones, factor * ones))
+        assert law.duration * np.sqrt(factor) == pytest.approx(want, rel=1e-9)
+
+
+def parabola(width):
+    """Give q = (s^2, s): the first joint turns back at s = 0, where it has no inertia to move."""
+    w = width
+    curve = BSpline(np.repeat([-w, w], 3), np.array([[w * w, -w], [-w * w, 0.0], [w * w, w]]), 2)
+    return JointPath(curve)
+
+
+def test_a_point_without_inertia_is_passed_at_the_speed_of_its_bend(make_limits, worst_use):
+    # at s = 0 the first joint's acceleration is 2 x, whatever the push
+    path, limits = parabola(2.0), make_limits([100.0, 100.0], [1.0, 50.0])
+    law = quickest(path, limits, cells=2000)
+    speed = np.interp(0.0, law.s, law.x)
+    assert 0.49 < speed <= 0.5 * (1.0 + 1e-12)
+    assert worst_use(trajectory_of(path, law, limits), 10_001) <= 1.0 + 1e-9
+
+
+def test_a_path_that_turns_back_on_itself_is_passed(make_limits, worst_use):
+    # all joints stop at s = 0 and go back the same way: q' vanishes there, q'' does not
+    curve = BSpline(np.array([-1.0] * 3 + [1.0] * 3), np.array([[1.0, 2], [-1, -2], [1, 2]]), 2)
+    path, limits = JointPath(curve), make_limits([1.0, 2.0], [3.0, 6.0])
+    law = quickest(path, limits)
+    assert worst_use(trajectory_of(path, law, limits), 10_001) <= 1.0 + 1e-9
+    # there and back: two trapezoids that share the turn, which begins and ends at half speed
+    assert law.duration == pytest.approx(1.0 / 1.0 * 2.0 + 1.0 / 3.0 * 2.0, rel=2e-3)
+
+
+def test_pieces_in_which_nothing_moves_take_no_time(make_limits, worst_use):
+    a = np.array([0, 0, 0, 0.5, 1, 1, 1, 1, 1.5, 2.0, 2.0, 2.0])[:, None]
+    path = JointPath(BSpline(np.concatenate(([0] * 3, np.arange(10.0), [9] * 3)), a, 3))
+    limits = make_limits([1.0], [10.0])
+    law = quickest(path, limits)
+    assert worst_use(trajectory_of(path, law, limits), 10_001) <= 1.0 + 1e-9
+    assert (
+        trapezoid_time(2.0, 1.0, 10.0) <= law.duration < 2.0 * trapezoid_time(1.0, 1.0, 10.0) + 0.2
+    )
+
+
+@pytest.mark.property
+@settings(max_examples=25, deadline=None)
+@given(data=st.data(), shares=st.tuples(st.floats(0.0, 0.9), st.floats(0.0, 0.9)))
+def test_a_law_begins_and_ends_at_given_speeds(data, shares, make_limits, worst_use):
+    path, limits = data.draw(paths_and_limits(make_limits))
+    whole = quickest(path, limits)
+    i, j = len(whole.s) // 4, 3 * len(whole.s) // 4
+    span = (float(whole.s[i]), float(whole.s[j]))
+    ends = (shares[0] * float(whole.speed[i]), shares[1] * float(whole.speed[j]))
+    law = quickest(path, limits, span, ends=ends)
+    assert law.speed[[0, -1]] == pytest.approx(ends)
+    part = JointTrajectory((Section(path, law),), path.at(span[0])[0], limits)
+    assert worst_use(part, 5001) <= 1.0 + 1e-8
+    assert law.duration >= (whole.t[j] - whole.t[i]) * (1.0 - 1e-2)
+
+
+def test_a_part_of_the_quickest_law_is_the_quickest_between_its_speeds(make_limits):
+    path, limits = random_case(np.random.default_rng(8), make_limits)
+    whole = quickest(path, limits, cells=2000)
+    i, j = 600, 1500
+    ends = (float(whole.speed[i]) * 0.999, float(whole.speed[j]) * 0.999)
+    law = quickest(path, limits, (float(whole.s[i]), float(whole.s[j])), ends=ends)
+    assert law.duration == pytest.approx(whole.t[j] - whole.t[i], rel=5e-3)
+
+
+def test_speeds_at_the_ends_that_cannot_be_are_refused_with_those_that_can(make_limits):
+    path, limits = random_case(np.random.default_rng(3), make_limits)
+    with pytest.raises(TrajectoryError, match=r"cannot begin at 1e\+06 /s: .* up to [\d.]+ /s"):
+        quickest(path, limits, ends=(1e6, 0.0))
+    with pytest.raises(TrajectoryError, match=r"cannot end at 1e\+06 /s: .* reaches [\d.]+ /s"):
+        quickest(path, limits, ends=(0.0, 1e6))
+    straight = straight_path(np.zeros(2), np.ones(2))
+    slow = make_limits([10.0, 10.0], [1.0, 1.0])
+    assert quickest(straight, slow, ends=(0.0, 1.4)).speed[-1] == 1.4
+    with pytest.raises(TrajectoryError, match=r"cannot end at 1.5 /s: .* reaches 1.41421 /s"):
+        quickest(straight, slow, ends=(0.0, 1.5))
+    with pytest.raises(TrajectoryError, match=r"cannot begin at 1.5 /s: .* up to 1.41421 /s"):
+        quickest(straight, slow, ends=(1.5, 0.0))
+    # from 1.5 /s it cannot slow down to 0.1 /s either
+    with pytest.raises(TrajectoryError, match=r"cannot begin at 1.5 /s: .* up to 1.41774 /s"):
+        quickest(straight, slow, ends=(1.5, 0.1))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        ({"ends": (-1.0, 0.0)}, "ends"),
+        ({"ends": (0.0, np.nan)}, "ends"),
+        ({"cells": 0}, "cells"),
+        ({"span": (0.7, 0.2)}, "span"),
+        ({"span": (0.0, 99.0)}, "span"),
+    ],
+)
+def test_what_is_no_span_no_speed_or_no_number_is_refused(arguments, named, make_limits):
+    path, limits = random_case(np.random.default_rng(3), make_limits)
+    with pytest.raises(ValueError, match=named):
+        quickest(path, limits, **arguments)
+
+
+def test_limits_of_another_arm_are_refused(make_limits):
+    path, limits = random_case(np.random.default_rng(3), make_limits)
+    others = make_limits(np.ones(limits.n + 1), np.ones(limits.n + 1))
+    with pytest.raises(ValueError, match="limits: want those of"):
+        quickest(path, others)
+
+
+def test_a_span_of_no_length_takes_no_time(make_limits):
+    path, limits = random_case(np.random.default_rng(3), make_limits)
+    assert quickest(path, limits, (0.5, 0.5)).duration == 0.0
+
+
+def test_toppra_finds_the_same_duration_on_a_fine_grid(make_limits):
+    ta = pytest.importorskip("toppra", reason="a peer, development extra")
+    from toppra import algorithm, constraint
+
+    rng = np.random.default_rng(2)
+    points = rng.uniform(-2.0, 2.0, (8, 7))
+    path = JointPath(interpolate(points, degree=5, parameters="uniform"))
+    limits = make_limits([2.175] * 4 + [2.61] * 3, [15, 7.5, 10, 12.5, 15, 20, 20])
+
+    class Way(ta.interpolator.AbstractGeometricPath):
+        dof, path_interval = 7, np.array(path.domain)
+
+        def __call__(self, s, order=0):
+            return path.at(s)[order] if np.ndim(s) == 0 else path.sample(np.asarray(s))[order]
+
+    rows = [
+        constraint.JointVelocityConstraint(np.stack((-limits.qd_max, limits.qd_max), axis=1)),
+        constraint.JointAccelerationConstraint(
+            np.stack((-limits.qdd_max, limits.qdd_max), axis=1),
+            discretization_scheme=constraint.DiscretizationType.Interpolation,
+        ),
+    ]
+    s = np.linspace(*path.domain, 7001)
+    solver = algorithm.TOPPRA(rows, Way(), gridpoints=s, solver_wrapper="seidel")
+    _, speed, _ = solver.compute_parameterization(0.0, 0.0)
+    want = float(np.sum(2.0 * np.diff(s) / (speed[1:] + speed[:-1])))
+    assert quickest(path, limits, cells=7000).duration == pytest.approx(want, rel=3e-4)

@@ -1,12 +1,10 @@
 """What limits allow on a path, as linear inequalities that hold on whole cells, not at points.
 
 Along a path q(s) let x be the square of ds/dt. On a cell from s[i] to s[i + 1] x is linear, so
-that d2s/dt2 is constant. Then every limit is an inequality for a polynomial in s whose
-coefficients are linear in (x[i], x[i + 1])::
+that d2s/dt2 is constant. Then a limit is an inequality for a polynomial in s whose coefficients
+are linear in (x[i], x[i + 1])::
 
     acceleration  q'(s) x'/2 + q''(s) x(s) <= qdd_max   (and >= -qdd_max)
-    velocity      q'(s)^2 x(s) <= qd_max^2
-    tool speed    |v(s)|^2 x(s) <= speed^2,             v the tool's velocity by s
 
 A polynomial on an interval is never above the largest of its Bernstein coefficients. So the limits
 hold everywhere on the cell if they hold for these: rows a x[i] + b x[i + 1] <= 1.
@@ -24,9 +22,6 @@ from splinearm.arrays import FloatArray
 from splinearm.joints import JointLimits
 
 from .joint_path import JointPath
-
-_SPEED_DEGREE = 6
-"""Degree of the polynomial that stands for the square of the tool's velocity on a cell."""
 
 
 class Rows(NamedTuple):
@@ -56,6 +51,13 @@ class SpeedCap:
         speed: FloatArray = self.speeds[cell]
         return speed
 
+    def used(self, s: FloatArray, shares: FloatArray) -> FloatArray:
+        """Give how much of the speed ds/dt = 1 uses at shares of cells, shape (cells, shares)."""
+        at = places(s, shares)
+        rate = self.rate(at.ravel()).reshape(at.shape)
+        share: FloatArray = rate / self.between(s)[:, None]
+        return share
+
 
 def acceleration_rows(path: JointPath, limits: JointLimits, s: FloatArray) -> Rows:
     """Give the inequalities of the joints' accelerations on the cells between nodes s.
@@ -67,7 +69,7 @@ def acceleration_rows(path: JointPath, limits: JointLimits, s: FloatArray) -> Ro
     """
     degree = max(path.curve.degree - 1, 1)
     shares = np.linspace(0.0, 1.0, degree + 1)
-    _, slope, bend = _on_cells(path, s, shares)
+    _, slope, bend = on_cells(path, s, shares)
     # x' / 2 = (x[i + 1] - x[i]) / (2 h), x(s) = (1 - share) x[i] + share x[i + 1]
     steady = slope / (2.0 * np.diff(s)[:, None, None])
     a = _bernstein(bend * (1.0 - shares)[:, None] - steady) / limits.qdd_max
@@ -77,66 +79,15 @@ def acceleration_rows(path: JointPath, limits: JointLimits, s: FloatArray) -> Ro
     return Rows(np.hstack((a, -a)), np.hstack((b, -b)))
 
 
-def velocity_rows(path: JointPath, limits: JointLimits, s: FloatArray) -> Rows:
-    """Give the inequalities of the joints' velocities; arguments as for accelerations."""
-    degree = 2 * max(path.curve.degree - 1, 0) + 1
-    shares = np.linspace(0.0, 1.0, degree + 1)
-    _, slope, _ = _on_cells(path, s, shares)
-    square = (slope / limits.qd_max) ** 2
-    return _carried(square, shares)
+def places(s: FloatArray, shares: FloatArray) -> FloatArray:
+    """Give places at shares of each cell, shape (cells, shares)."""
+    at: FloatArray = s[:-1, None] + np.diff(s)[:, None] * shares
+    if shares[-1] == 1.0:
+        at[:, -1] = s[1:]
+    return at
 
 
-def speed_rows(cap: SpeedCap, s: FloatArray, tighter: FloatArray) -> Rows:
-    """Give the inequalities of the tool's speed on the cells between nodes s.
-
-    Args:
-        cap: How fast the tool may be.
-        s: Nodes, rising, shape (m,).
-        tighter: A factor on the square of the tool's velocity in each cell, shape (m - 1,).
-    """
-    shares = np.linspace(0.0, 1.0, _SPEED_DEGREE + 2)
-    at = s[:-1, None] + np.diff(s)[:, None] * shares
-    at[:, -1] = s[1:]
-    rate = cap.rate(at.ravel()).reshape(at.shape)
-    square = (rate / cap.between(s)[:, None]) ** 2 * tighter[:, None]
-    return _carried(square[:, :, None], shares)
-
-
-def joint_use(
-    path: JointPath, limits: JointLimits, s: FloatArray, x: FloatArray, shares: FloatArray
-) -> float:
-    """Give how much of the limits is used at shares of each cell: the largest share, in x."""
-    _, slope, bend = _on_cells(path, s, shares)
-    square = (x[:-1, None] * (1.0 - shares) + x[1:, None] * shares)[:, :, None]
-    push = (np.diff(x) / (2.0 * np.diff(s)))[:, None, None]
-    acceleration = np.abs(slope * push + bend * square) / limits.qdd_max
-    velocity = slope * slope * square / limits.qd_max**2
-    return float(max(acceleration.max(), velocity.max()))
-
-
-def speed_use(cap: SpeedCap, s: FloatArray, x: FloatArray, shares: FloatArray) -> FloatArray:
-    """Give how much of the square of the tool's highest speed is used in each cell."""
-    at = s[:-1, None] + np.diff(s)[:, None] * shares
-    at[:, -1] = s[1:]
-    rate = cap.rate(at.ravel()).reshape(at.shape)
-    square = x[:-1, None] * (1.0 - shares) + x[1:, None] * shares
-    use: FloatArray = (rate**2 * square).max(axis=1) / cap.between(s) ** 2
-    return use
-
-
-def join(rows: list[Rows]) -> Rows:
-    """Give all rows side by side."""
-    return Rows(np.hstack([r.a for r in rows]), np.hstack([r.b for r in rows]))
-
-
-def _carried(square: FloatArray, shares: FloatArray) -> Rows:
-    """Give the rows of square(s) x(s) <= 1 for squares at shares of each cell."""
-    a = _bernstein(square * (1.0 - shares)[:, None])
-    b = _bernstein(square * shares[:, None])
-    return Rows(a.reshape(len(a), -1), b.reshape(len(b), -1))
-
-
-def _on_cells(
+def on_cells(
     path: JointPath, s: FloatArray, shares: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Give q, q' and q'' at shares of each cell, each of shape (cells, shares, n)."""
@@ -150,13 +101,13 @@ def _on_cells(
 def _bernstein(values: FloatArray) -> FloatArray:
     """Give Bernstein coefficients of polynomials with values at even shares, axis 1."""
     coefficients: FloatArray = np.einsum(
-        "jk,ckn->cjn", _from_even_values(values.shape[1] - 1), values
+        "jk,ckn->cjn", from_even_values(values.shape[1] - 1), values
     )
     return coefficients
 
 
 @cache
-def _from_even_values(degree: int) -> FloatArray:
+def from_even_values(degree: int) -> FloatArray:
     """Give the matrix from values at 0, 1/d ... 1 to Bernstein coefficients of degree d."""
     t = np.linspace(0.0, 1.0, degree + 1)[:, None]
     k = np.arange(degree + 1)

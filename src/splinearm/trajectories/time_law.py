@@ -2,11 +2,19 @@
 
 from bisect import bisect_right
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from splinearm.arrays import FloatArray
 from splinearm.curves.basis import IndexArray
+
+
+class _Cells(NamedTuple):
+    cells: list[tuple[float, ...]]
+    """Time, s, ds/dt and d2s/dt2 at the begin of each, and s at its end."""
+    starts: list[float]
+    """When all but the first begin, s."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,27 +31,16 @@ class TimeLaw:
     """ds/dt at the nodes, shape (m,)."""
     acceleration: FloatArray = field(init=False)
     """d2s/dt2 between nodes, shape (m - 1,)."""
-    _cells: list[tuple[float, float, float, float, float]] = field(init=False, repr=False)
-    _starts: list[float] = field(init=False, repr=False)
+    _kept: list[_Cells] = field(init=False, repr=False, default_factory=list)
 
     def __post_init__(self) -> None:
         speed = np.sqrt(self.x)
         h = np.diff(self.s)
         t = np.concatenate(([0.0], np.cumsum(2.0 * h / (speed[:-1] + speed[1:]))))
         acceleration = np.diff(self.x) / (2.0 * h)
-        cells = zip(
-            t.tolist(),
-            self.s.tolist(),
-            speed.tolist(),
-            acceleration.tolist(),
-            self.s[1:].tolist(),
-            strict=False,
-        )
         object.__setattr__(self, "t", t)
         object.__setattr__(self, "speed", speed)
         object.__setattr__(self, "acceleration", acceleration)
-        object.__setattr__(self, "_cells", list(cells))
-        object.__setattr__(self, "_starts", t[1:-1].tolist())
 
     @property
     def duration(self) -> float:
@@ -52,16 +49,17 @@ class TimeLaw:
 
     def at(self, t: float) -> tuple[float, float, float]:
         """Give s, ds/dt and d2s/dt2 at a time from 0 to the duration."""
-        if not self._cells:
+        if len(self.s) == 1:
             return float(self.s[0]), 0.0, 0.0
-        begun, s, speed, acceleration, end = self._cells[bisect_right(self._starts, t)]
+        known = self._cells()
+        begun, s, speed, acceleration, end = known.cells[bisect_right(known.starts, t)]
         dt = t - begun
         now = speed + acceleration * dt
         return min(s + dt * 0.5 * (speed + now), end), max(now, 0.0), acceleration
 
     def sample(self, ts: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Give the same at many times, each of shape (k,)."""
-        if not self._cells:
+        if len(self.s) == 1:
             nothing = np.zeros(len(ts))
             return nothing + self.s[0], nothing, nothing.copy()
         cell = np.searchsorted(self.t[1:-1], ts, side="right")
@@ -73,15 +71,23 @@ class TimeLaw:
 
     def time_at(self, s: float) -> float:
         """Give when s is passed, s."""
-        if not self._cells:
-            return 0.0
+        if s >= self.s[-1]:
+            return self.duration
         cell = int(np.searchsorted(self.s[1:-1], s, side="right"))
-        begun, first, speed, acceleration, _ = self._cells[cell]
+        begun, first, speed, acceleration, _ = self._cells().cells[cell]
         way = s - first
         if way <= 0.0:
             return begun
         now = np.sqrt(max(speed * speed + 2.0 * acceleration * way, 0.0))
         return float(begun + 2.0 * way / (speed + now))
+
+    def _cells(self) -> _Cells:
+        """Give the cells as plain numbers, for single moments; made when first asked for."""
+        if not self._kept:
+            columns = (self.t, self.s, self.speed, self.acceleration, self.s[1:])
+            cells = list(zip(*(c.tolist() for c in columns), strict=False))
+            self._kept.append(_Cells(cells, self.t[1:-1].tolist()))
+        return self._kept[0]
 
     def jerk(self, ts: FloatArray) -> FloatArray:
         """Give d3s/dt3 at many times, shape (k,): zero between nodes, where d2s/dt2 jumps."""

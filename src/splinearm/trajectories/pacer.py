@@ -1,0 +1,35 @@
+"""The compiled kernels of timing, loaded once a process."""
+
+from collections.abc import Callable
+from functools import cache
+from typing import NamedTuple
+
+
+class Pacer(NamedTuple):
+    """The entries of `row_kernel`, `reachability_kernel` and `torque_kernel`."""
+
+    joint_rows: Callable[..., None]
+    fastest: Callable[..., int]
+    most_used: Callable[..., float]
+    motion: Callable[..., None]
+    torque_lines: Callable[..., None]
+    torque_use: Callable[..., None]
+
+
+@cache
+def load_pacer() -> Pacer:
+    """Load the kernels, compiling them if need be."""
+    from splinearm.compiled import entry, inputs, outputs
+
+    from . import reachability_kernel as reachability
+    from . import row_kernel as row
+    from . import torque_kernel as torque
+
+    return Pacer(
+        entry(row.joint_rows_into, *inputs(1, 3, 1, 2), *outputs(1, 3)),
+        entry(reachability.fastest_into, *inputs(3, 3, 3, 1, 1), *outputs(1)),
+        entry(reachability.most_used, *inputs(3, 3, 3, 1)),
+        entry(torque.motion_into, *inputs(1, 3, 1, 1, 1), *outputs(4)),
+        entry(torque.torque_lines_into, *inputs(4, 2, 1, 2, 1), *outputs(3, 4, 1)),
+        entry(torque.torque_use_into, *inputs(3, 3, 2), *outputs(2)),
+    )
