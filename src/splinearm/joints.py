@@ -1,6 +1,6 @@
 """The words in which rooms speak of joints: setpoints, states and limits, in SI."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
@@ -126,6 +126,19 @@ class JointLimits:
             qddd_max=None if self.qddd_max is None else self.qddd_max * share**3,
             torque_max=self.torque_max,
         )
+
+    def with_jerk_time(self, time: float) -> "JointLimits":
+        """Give the same limits with a jerk that takes each joint to full acceleration in a time.
+
+        Args:
+            time: That time, s.
+
+        Raises:
+            ValueError: If it is not above 0.
+        """
+        if not 0.0 < time < np.inf:
+            raise ValueError(f"time: want a number above 0 s, got {time}")
+        return replace(self, qddd_max=self.qdd_max / time)
 
     def check(
         self,

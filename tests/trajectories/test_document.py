@@ -1,12 +1,19 @@
 import json
 from copy import deepcopy
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from splinearm.curves.interpolation import interpolate
 from splinearm.trajectories.document import from_document, to_document
+from splinearm.trajectories.joint_path import JointPath
+from splinearm.trajectories.polynomial_law import PolynomialLaw
+from splinearm.trajectories.section import Section
+from splinearm.trajectories.smooth_timing import quickest_smooth
+from splinearm.trajectories.trajectory import JointTrajectory
 
 
 @pytest.mark.property
@@ -21,6 +28,27 @@ def test_through_json_a_motion_keeps_every_bit(seed, dwell, make_motion):
     assert again.limits.names == motion.limits.names
     assert np.array_equal(again.limits.q_max, motion.limits.q_max)
     assert np.array_equal(again.limits.qdd_max, motion.limits.qdd_max)
+
+
+def test_every_kind_of_law_is_kept(make_limits):
+    limits = replace(make_limits([1.0, 2.0], [5.0, 9.0]), qddd_max=[50.0, 90.0])
+    points = np.array([[0.0, 0.0], [0.5, 0.2], [0.3, 0.9], [0.1, 0.1]])
+    path = JointPath(interpolate(points, degree=5))
+    smooth = quickest_smooth(path, limits)
+    first, last = path.domain
+    law = PolynomialLaw(
+        np.array([first, 0.0, 0.0, *((last - first) * np.array([10, -15, 6]))]), 3.0
+    )
+    motion = JointTrajectory(
+        (Section(path, smooth, 0.2), Section(path.mirrored(first, last), law)), points[0], limits
+    )
+    stop = motion.stop_from(0.4 * smooth.duration)
+    for whole in (motion, stop):
+        again = from_document(json.loads(json.dumps(to_document(whole))))
+        ts = np.linspace(-0.1, whole.duration + 0.1, 200)
+        for have, want in zip(again.sample(ts), whole.sample(ts), strict=True):
+            assert np.array_equal(have, want)
+        assert [type(part.law) for part in again.sections] == [type(p.law) for p in whole.sections]
 
 
 def _without(key):

@@ -46,8 +46,11 @@ class SpeedCap:
 
     def between(self, s: FloatArray) -> FloatArray:
         """Give the speed of each cell between nodes s, shape (m - 1,), m/s."""
-        middles = 0.5 * (s[:-1] + s[1:])
-        cell = np.searchsorted(self.edges[1:-1], middles, side="right")
+        return self.at(0.5 * (s[:-1] + s[1:]))
+
+    def at(self, s: FloatArray) -> FloatArray:
+        """Give the speed at s, shape (m,), m/s; where it changes that from there on."""
+        cell = np.searchsorted(self.edges[1:-1], s, side="right")
         speed: FloatArray = self.speeds[cell]
         return speed
 

@@ -10,14 +10,15 @@ from typing import Any, cast
 
 import numpy as np
 
-from splinearm.arrays import FloatArray, frozen_array
+from splinearm.arrays import FloatArray
 from splinearm.curves.bspline import BSpline
 from splinearm.errors import SplinearmError
 from splinearm.joints import JointKind, JointLimits
 
+from . import law_document
 from .joint_path import JointPath
-from .section import Law, Section
-from .time_law import TimeLaw
+from .law_document import array_of, value_of
+from .section import Section
 from .trajectory import JointTrajectory
 
 FORMAT = "splinearm-motion/1"
@@ -60,12 +61,12 @@ def from_document(document: Mapping[str, Any]) -> JointTrajectory:
         ValueError: With the place, if something is missing, is not what it must be, or the
             sections do not follow each other.
     """
-    told = _get(document, "format", "document")
+    told = value_of(document, "format", "document")
     if told != FORMAT:
         raise ValueError(f"format: want {FORMAT!r}, got {told!r}")
-    limits = _limits(_get(document, "joints", "document"))
-    q_start = _array(document, "q_start", "document", (limits.n,))
-    sections = _get(document, "sections", "document")
+    limits = _limits(value_of(document, "joints", "document"))
+    q_start = array_of(document, "q_start", "document", (limits.n,))
+    sections = value_of(document, "sections", "document")
     if not isinstance(sections, Sequence) or isinstance(sections, str):
         raise TypeError(f"sections: want a list, got {sections!r}")
     parts = [_section(part, f"sections[{i}]") for i, part in enumerate(sections)]
@@ -86,24 +87,23 @@ def _listed(values: FloatArray | None) -> list[float | None] | None:
 
 def _section_document(section: Section) -> Document:
     curve = section.path.curve
-    law = cast(TimeLaw, section.law)
     return {
         "path": {
             "degree": curve.degree,
             "knots": curve.knots.tolist(),
             "points": curve.points.tolist(),
         },
-        "law": {"kind": "cells", "s": law.s.tolist(), "x": law.x.tolist()},
+        "law": law_document.to_document(section.law),
         "dwell_s": section.dwell,
     }
 
 
 def _limits(joints: object) -> JointLimits:
-    names = _get(joints, "names", "joints")
-    kinds = _get(joints, "kinds", "joints")
+    names = value_of(joints, "names", "joints")
+    kinds = value_of(joints, "kinds", "joints")
     values: dict[str, FloatArray | None] = {}
     for name, none in zip(_LIMITS, (-inf, inf, None, None, None, None), strict=True):
-        given = _get(joints, name, "joints")
+        given = value_of(joints, name, "joints")
         if given is not None and none is not None:
             given = [none if value is None else value for value in given]
         values[name] = given
@@ -118,34 +118,20 @@ def _limits(joints: object) -> JointLimits:
 
 
 def _section(part: object, where: str) -> Section:
-    path, law = _get(part, "path", where), _get(part, "law", where)
-    dwell = _get(part, "dwell_s", where)
+    path, law = value_of(part, "path", where), value_of(part, "law", where)
+    dwell = value_of(part, "dwell_s", where)
     if not isinstance(dwell, int | float) or not 0.0 <= dwell < inf:
         raise ValueError(f"{where}.dwell_s: want a time of at least 0, got {dwell!r}")
     try:
         curve = BSpline(
-            _get(path, "knots", f"{where}.path"),
-            _get(path, "points", f"{where}.path"),
-            _get(path, "degree", f"{where}.path"),
+            value_of(path, "knots", f"{where}.path"),
+            value_of(path, "points", f"{where}.path"),
+            value_of(path, "degree", f"{where}.path"),
         )
         joints = JointPath(curve)
     except (SplinearmError, TypeError, ValueError) as error:
         raise ValueError(f"{where}.path: {error}") from error
-    return Section(joints, _law(law, joints, f"{where}.law"), float(dwell))
-
-
-def _law(law: object, path: JointPath, where: str) -> Law:
-    kind = _get(law, "kind", where)
-    if kind != "cells":
-        raise ValueError(f"{where}.kind: want 'cells', got {kind!r}")
-    s = _array(law, "s", where, (None,))
-    x = _array(law, "x", where, (len(s),))
-    first, last = path.domain
-    if len(s) == 0 or (np.diff(s) <= 0.0).any() or s[0] < first or s[-1] > last:
-        raise ValueError(f"{where}.s: want rising nodes from {first} to {last}, got {s.tolist()}")
-    if (x < 0.0).any() or (len(x) > 1 and (x[:-1] + x[1:] <= 0.0).any()):
-        raise ValueError(f"{where}.x: want none below zero and no two neighbours zero")
-    return TimeLaw(s, x)
+    return Section(joints, law_document.from_document(law, joints, f"{where}.law"), float(dwell))
 
 
 def _require_continuity(trajectory: JointTrajectory) -> None:
@@ -159,15 +145,3 @@ def _require_continuity(trajectory: JointTrajectory) -> None:
         if qd is not None and np.abs(begins_at - qd).max() > _SAME:
             raise ValueError(f"sections[{i}]: does not begin as fast as the motion comes")
         q, qd, _ = section.at(section.duration)
-
-
-def _get(values: object, key: str, where: str) -> Any:  # noqa: ANN401 - whatever JSON holds
-    if not isinstance(values, Mapping):
-        raise TypeError(f"{where}: want names with values, got {values!r}")
-    if key not in values:
-        raise ValueError(f"{where}: {key} is missing")
-    return values[key]
-
-
-def _array(values: object, key: str, where: str, shape: tuple[int | None, ...]) -> FloatArray:
-    return frozen_array(_get(values, key, where), shape, f"{where}.{key}")

@@ -15,9 +15,10 @@ from splinearm.errors import CurveError
 from splinearm.kinematics import chain, quaternion
 from splinearm.kinematics.arm import Arm
 
-from . import timing
 from .constraint import SpeedCap
 from .joint_path import JointPath
+from .limit import MotionLimits
+from .pacing import quickest_law
 from .path import (
     CartesianPath,
     check_blends,
@@ -56,24 +57,28 @@ class Leg:
         end: FloatArray = self.joints.at(float(self.s[-1]))[0]
         return end
 
-    def sections(self, arm: Arm) -> list[tuple[Section, list[tuple[int, float]]]]:
+    def sections(
+        self, arm: Arm, limits: MotionLimits
+    ) -> list[tuple[Section, list[tuple[int, float]]]]:
         """Give the parts from rest to rest, and when in each a waypoint is passed, s."""
         inner = range(1, len(self.places) - 1)
         rests = [0, *(i for i in inner if self.places[i].stops), len(self.places) - 1]
+        cap = self._cap(arm, limits.tool_speed)
         parts = []
         for begin, end in pairwise(rests):
             span = (float(self.s[begin]), float(self.s[end]))
-            law = timing.quickest(self.joints, arm.limits, span, self._cap(arm))
+            law = quickest_law(self.joints, limits, span, cap)
             passed = [
                 (number, law.time_at(float(self.s[i])))
                 for i in range(begin + 1, end + 1)
                 for number in self.places[i].waypoints
             ]
-            parts.append((Section(self.joints, law, self.places[end].dwell), passed))
+            parts.append((Section(self.joints, law, self.places[end].dwell, cap), passed))
         return parts
 
-    def _cap(self, arm: Arm) -> SpeedCap | None:
+    def _cap(self, arm: Arm, most: float | None) -> SpeedCap | None:
         speeds = np.array([place.speed for place in self.places[1:]])
+        speeds = np.minimum(speeds, np.inf if most is None else most)
         if np.isinf(speeds).all():
             return None
         return SpeedCap(edges=self.s, speeds=speeds, rate=partial(_tool_rate, arm, self.joints))

@@ -43,12 +43,12 @@ class Binding:
     end: float
     """Until when, s."""
     joint: str | None
-    """The joint that is at its limit; None: no joint is."""
+    """The joint that is at its limit; None: the tool, or nothing, is."""
     quantity: str | None
-    """"velocity", "acceleration" or "jerk"; None: no joint is at a limit, as where the tool's
-    speed, a rest or an end holds the motion back."""
+    """"velocity", "acceleration" or "jerk" of the joint, or "tool speed"; None: nothing that is
+    looked at is at its limit, as in a rest."""
     share: float
-    """Largest share of a limit that any joint uses in this time."""
+    """Largest share of a limit that is used in this time."""
 
 
 class _Looks(NamedTuple):
@@ -56,6 +56,8 @@ class _Looks(NamedTuple):
     q: FloatArray
     rates: dict[str, tuple[FloatArray, FloatArray]]
     """Values, shape (m, n), and limits, shape (n,), by quantity."""
+    tool: FloatArray
+    """How much of the tool's highest speed is used, shape (m,)."""
 
 
 def peaks(trajectory: JointTrajectory) -> tuple[LimitPeak, ...]:
@@ -80,29 +82,33 @@ def peaks(trajectory: JointTrajectory) -> tuple[LimitPeak, ...]:
 
 
 def bindings(trajectory: JointTrajectory) -> tuple[Binding, ...]:
-    """Give which limit of which joint holds the motion back, from its start to its end."""
+    """Give which limit holds the motion back when, from its start to its end."""
     looks, names = _look(trajectory), trajectory.limits.names
     if trajectory.duration <= 0.0:
         return ()
-    quantities = list(looks.rates)
-    used = np.concatenate([np.abs(v) / most for v, most in looks.rates.values()], axis=1)
-    shares = used[:-1].reshape(-1, len(_LOOKS), used.shape[1])
-    cells = shares.max(axis=1)
+    named: list[tuple[str | None, str | None]] = [
+        (name, quantity) for quantity in looks.rates for name in names
+    ]
+    named += [(None, "tool speed"), (None, None)]
+    shares = [np.abs(v) / most for v, most in looks.rates.values()]
+    used = np.column_stack((*shares, looks.tool))
+    inside = used[:-1].reshape(-1, len(_LOOKS), used.shape[1])
+    cells = inside.max(axis=1)
     # what is at its limit all the way, not what has just come to it
-    hardest = shares.mean(axis=1).argmax(axis=1)
+    hardest = inside.mean(axis=1).argmax(axis=1)
     binds = np.take_along_axis(cells, hardest[:, None], axis=1)[:, 0] >= _BINDS
     which = np.where(binds, hardest, -1)
     nodes = np.append(looks.t[: -1 : len(_LOOKS)], trajectory.duration)
     found = []
     for column, group in groupby(range(len(cells)), key=which.tolist().__getitem__):
         some = list(group)
-        free = column < 0
+        joint, quantity = named[column]
         found.append(
             Binding(
                 start=float(nodes[some[0]]),
                 end=float(nodes[some[-1] + 1]),
-                joint=None if free else names[column % len(names)],
-                quantity=None if free else quantities[column // len(names)],
+                joint=joint,
+                quantity=quantity,
                 share=float(cells[some].max()),
             )
         )
@@ -118,7 +124,7 @@ def _look(trajectory: JointTrajectory) -> _Looks:
     rates = {"velocity": (qd, limits.qd_max), "acceleration": (qdd, limits.qdd_max)}
     if limits.qddd_max is not None:
         rates["jerk"] = (trajectory.jerk(t), limits.qddd_max)
-    return _Looks(t, q, rates)
+    return _Looks(t, q, rates, trajectory.tool_share(t))
 
 
 def _nearest_bound(q: FloatArray, limits: JointLimits, j: int) -> tuple[int, float]:

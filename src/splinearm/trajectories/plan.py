@@ -12,9 +12,11 @@ from splinearm.curves.nearest import SpaceCurve
 from splinearm.joints import JointLimits
 from splinearm.kinematics.arm import Arm
 
-from . import peak, place, timing
+from . import peak, place
 from .joint_path import JointPath
 from .leg import Leg, course_legs, joint_legs, spline_leg, straight_path
+from .limit import MotionLimits
+from .pacing import quickest_law, require_smooth
 from .peak import Binding as Binding
 from .peak import LimitPeak as LimitPeak
 from .place import Place, Start
@@ -51,7 +53,7 @@ def plan(
     waypoints: Sequence[Waypoint],
     q_start: ArrayInput,
     *,
-    limits: JointLimits | None = None,
+    limits: JointLimits | MotionLimits | None = None,
     position_tolerance: float = 2e-5,
     closed: bool = False,
 ) -> Plan:
@@ -70,13 +72,16 @@ def plan(
 
     A waypoint of joint positions asks in tool moves for the place where they carry the tool.
     Positions, velocities and accelerations of the joints stay within the limits at every moment,
-    and so does the tool's speed where waypoints say one. Torque is not looked at.
+    and so does the tool's speed where waypoints say one. If the limits have a jerk, acceleration
+    never jumps and begins and ends at zero. Torques and accelerations of the tool are looked at if
+    the limits are ``MotionLimits`` that say so.
 
     Args:
         arm: The arm.
         waypoints: At least one.
         q_start: Where the joints are, shape (n,), rad or m.
-        limits: What the joints may do; None: the arm's own limits.
+        limits: What the joints, or joints, torques and tool, may do; None: the arm's own limits
+            of the joints.
         position_tolerance: How far the tool may be off its wanted way, m; its orientation by what
             moves a point 0.1 m away by as much.
         closed: Whether to return to the start.
@@ -86,14 +91,14 @@ def plan(
         CurveError: If the waypoints make no such way.
         LimitError: If ``q_start`` or joint positions of a waypoint break a limit.
         ValueError: If an argument is wrong: runs that mix poses and positions, limits of other
-            joints, or a limit of jerk, which this planner cannot hold.
+            joints, or limits of jerk and of torque together, which no law here holds.
     """
-    arm = arm if limits is None else replace(arm, limits=limits)
-    _refuse_jerk(arm.limits)
+    every = _every_limit(arm, limits)
+    arm = replace(arm, limits=every.joints)
     q = _checked_start(arm, waypoints, q_start)
     if not 0.0 < position_tolerance < inf:
         raise ValueError(f"position_tolerance: want a length above 0, got {position_tolerance}")
-    motion = _Motion(arm, q, Tolerance(position=position_tolerance))
+    motion = _Motion(arm, every, q, Tolerance(position=position_tolerance))
     if closed and all(waypoint.move is Move.BSPLINE for waypoint in waypoints):
         motion.add_closed_figure(waypoints)
     else:
@@ -119,9 +124,8 @@ def plan_joint_move(
 
     Raises:
         LimitError: If one of these is beyond a limit of position.
-        ValueError: If shapes or numbers are wrong, or jerk is limited.
+        ValueError: If shapes or numbers are wrong.
     """
-    _refuse_jerk(limits)
     start = frozen_array(q_start, (limits.n,), "q_start")
     goal = frozen_array(q_goal, (limits.n,), "q_goal")
     limits.check(start)
@@ -129,14 +133,15 @@ def plan_joint_move(
     if (start == goal).all():
         return JointTrajectory((), start, limits)
     path = straight_path(start, goal)
-    return JointTrajectory((Section(path, timing.quickest(path, limits)),), start, limits)
+    return JointTrajectory((Section(path, quickest_law(path, limits)),), start, limits)
 
 
 class _Motion:
     """A motion as it grows, leg by leg."""
 
-    def __init__(self, arm: Arm, q: FloatArray, tolerance: Tolerance) -> None:
+    def __init__(self, arm: Arm, limits: MotionLimits, q: FloatArray, tolerance: Tolerance) -> None:
         self.arm = arm
+        self.limits = limits
         self.q = q
         self.name = "the start"
         self.tolerance = tolerance
@@ -192,7 +197,7 @@ class _Motion:
             self._append(Section(still, TimeLaw(np.zeros(1), np.zeros(1)), at.dwell))
 
     def _add(self, leg: Leg) -> None:
-        for section, passed in leg.sections(self.arm):
+        for section, passed in leg.sections(self.arm, self.limits):
             for number, t in passed:
                 self.times[number] = self.t + t
             self._append(section)
@@ -227,9 +232,9 @@ def _checked_start(arm: Arm, waypoints: Sequence[Waypoint], q_start: ArrayInput)
     return q
 
 
-def _refuse_jerk(limits: JointLimits) -> None:
-    if limits.qddd_max is not None:
-        raise ValueError(
-            "limits: jerk is limited (qddd_max), which this planner cannot hold; leave it out to "
-            "plan without"
-        )
+def _every_limit(arm: Arm, limits: JointLimits | MotionLimits | None) -> MotionLimits:
+    """Give the limits of a motion of an arm; those of the tool are of this arm's tool."""
+    if not isinstance(limits, MotionLimits):
+        return MotionLimits(joints=arm.limits if limits is None else limits, arm=arm)
+    require_smooth(limits)
+    return limits if limits.arm is not None else replace(limits, arm=arm)

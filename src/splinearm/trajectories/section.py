@@ -7,6 +7,7 @@ import numpy as np
 
 from splinearm.arrays import FloatArray
 
+from .constraint import SpeedCap
 from .joint_path import JointPath
 
 
@@ -67,6 +68,8 @@ class Section:
     """How it is run through."""
     dwell: float = 0.0
     """How long the joints rest at its end, s."""
+    cap: SpeedCap | None = None
+    """How fast the tool may be along the path, if that was asked for; the law keeps it."""
 
     @property
     def duration(self) -> float:
@@ -126,6 +129,15 @@ class Section:
         passed = np.array([law.time_at(float(s)) for s in inner])
         nodes = np.concatenate((law.t, passed, [law.duration, self.duration]))
         return np.unique(np.clip(nodes, 0.0, self.duration))
+
+    def tool_share(self, ts: FloatArray) -> FloatArray:
+        """Give how much of the tool's highest speed is used at many times, shape (k,)."""
+        if self.cap is None:
+            return np.zeros(len(ts))
+        s, speed, _ = self.law.sample(np.minimum(ts, self.law.duration))
+        moving = speed * self._moving(ts)
+        share: FloatArray = self.cap.rate(s) * moving / self.cap.at(s)
+        return share
 
     def split(self, t: float) -> "tuple[Section, Section]":
         """Give what happens before and after a time from 0 to the duration."""

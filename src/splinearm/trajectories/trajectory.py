@@ -124,6 +124,21 @@ class JointTrajectory:
             qddd[here] = section.jerk(local)
         return qddd
 
+    def tool_share(self, ts: ArrayInput) -> FloatArray:
+        """Give how much of the tool's highest speed is used at many times, shape (m,).
+
+        Args:
+            ts: Times, shape (m,), s; 0 where no speed of the tool was asked for.
+
+        Raises:
+            ValueError: If a time is not a finite number.
+        """
+        times = frozen_array(ts, (None,), "ts")
+        share = np.zeros(len(times))
+        for section, here, local in self._shares(times):
+            share[here] = section.tool_share(local)
+        return share
+
     def stop_from(self, t: float) -> "JointTrajectory":
         """Give the motion that leaves this one at a time and slows down along the same path.
 

@@ -1,0 +1,184 @@
+"""How a smooth speed profile is found, and how much of the limits it uses."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from splinearm.arrays import FloatArray
+
+from .smooth_entry import kernels
+from .smooth_problem import Problem, slaves_of, tool_caps
+
+_TRIES = ((1.4, 1, 0.6, 3.0), (0.7, 3, 0.3, 1.0), (0.2, 6, 0.3, 1.0), (0.02, 12, 1.0, 10.0))
+"""How to begin: share of the guess, cells that it is smoothed over, least slack, centre."""
+
+_GAP = 1e-7
+"""By this share of the time a profile may be longer than the quickest on its grid ..."""
+
+_FINE_GAP = 1e-10
+"""... and by this one where a speed of the tool is wanted, which is then even to nine digits."""
+
+_LEAST_SLACK = 1e-2
+"""A slack begins anew with at least this when bounds have become narrower."""
+
+_LEAST = 0.1
+"""Where x would dip below zero, a coefficient is at least this share of the x beside it."""
+
+_FINER_TOOL = 4
+
+_VAGUE, _FINER = 1e-8, 16
+"""Tops that may be misjudged by more than that are looked at in so many times as many places."""
+
+
+class Answer(NamedTuple):
+    """A profile."""
+
+    coefficients: FloatArray
+    """Of the quadratic B-spline x, shape (m + 2,)."""
+    y: FloatArray
+    """x, h x'/2 and h^2 x''/2 at the begin of each cell, shape (m, 3)."""
+    slack: FloatArray
+    """What rows leave of their bounds, shape (m, rows)."""
+    multiplier: FloatArray
+    """What their bounds cost, shape (m, rows)."""
+
+
+def solve(problem: Problem, before: Answer | None = None) -> Answer | None:
+    """Give the quickest profile, or None if there is none or it is not found.
+
+    Args:
+        problem: What is asked.
+        before: The answer to a problem with other bounds, to go on from.
+    """
+    if before is not None:
+        slack = np.maximum(before.slack, _LEAST_SLACK)
+        multiplier = np.maximum(before.multiplier, 1e-3 * _GAP / slack.size / slack)
+        answer = _improved(problem, before._replace(slack=slack, multiplier=multiplier))
+        if answer is not None:
+            return answer
+    for share, width, floor, centre in _TRIES:
+        guess = share * np.minimum(problem.guess, _smoothed(problem.guess, width))
+        answer = _improved(problem, _begin(problem, guess, floor, centre))
+        if answer is not None:
+            return answer
+    return None
+
+
+def slowed(problem: Problem) -> Answer:
+    """Give a profile that is nowhere quicker than a part of the guess, with all its shape."""
+    share, width, floor, centre = _TRIES[-1]
+    guess = share * np.minimum(problem.guess, _smoothed(problem.guess, width))
+    return _begin(problem, guess, floor, centre)
+
+
+def use_of(problem: Problem, answer: Answer, parts: int) -> FloatArray:
+    """Give the largest share of x, acceleration and jerk limits that each cell uses, shape (m, 3).
+
+    Args:
+        problem: What was asked.
+        answer: The profile.
+        parts: In how many parts of each cell it is looked at, and more where it uses most.
+    """
+    path, nodes, look = problem.way.path, problem.nodes, kernels().use_into
+    use, chosen = np.zeros((len(problem.pieces), 4)), np.ones(len(problem.pieces))
+    about = path.breaks, path.coefficients, problem.pieces, nodes, problem.way.length
+    look(*about, problem.inverse, answer.y, chosen, float(parts), use)
+    slower = slower_by(use)
+    # where the top of a parabola may not be near enough to the top itself
+    vague = (use[:, 3] > _VAGUE) & (slower + use[:, 3] > (slower - use[:, 3]).max())
+    vague_cells = vague.astype(np.float64)
+    look(*about, problem.inverse, answer.y, vague_cells, float(parts * _FINER), use)
+    if problem.way.cap is not None:
+        use[:, 0] = np.maximum(use[:, 0], _tool_use(problem, answer, parts * _FINER_TOOL))
+    return use[:, :3]
+
+
+def _tool_use(problem: Problem, answer: Answer, parts: int) -> FloatArray:
+    """Give the largest share of the x that the tool's speed allows in each cell, shape (m,)."""
+    shares = np.linspace(0.0, 1.0, parts + 1)
+    x = answer.y @ np.stack((np.ones_like(shares), 2.0 * shares, shares**2))
+    use = x / tool_caps(problem, shares)
+    middle = use[:, 1:-1]
+    bend, tilt = use[:, 2:] - 2.0 * middle + use[:, :-2], 0.5 * (use[:, 2:] - use[:, :-2])
+    between = (bend < 0.0) & (np.abs(tilt) < -bend)
+    tops = np.where(between, middle - 0.5 * tilt * tilt / np.where(between, bend, 1.0), 0.0)
+    highest: FloatArray = np.maximum(use.max(axis=1), tops.max(axis=1))
+    return highest
+
+
+def slower_by(use: FloatArray) -> FloatArray:
+    """Give by what factor each cell must become slower to stay within limits, shape (m,)."""
+    slower: FloatArray = np.maximum(np.sqrt(use[:, :2].max(axis=1)), np.cbrt(use[:, 2]))
+    return slower
+
+
+def _coefficients(problem: Problem, x: FloatArray) -> FloatArray:
+    """Give the coefficients of about these x at the nodes, right at the ends."""
+    share = problem.share
+    middles = 0.5 * (np.append(share[:1], share) + np.append(share, share[-1:]))
+    d = np.interp(middles, share, x)
+    slaves = slaves_of(problem)
+    for k, (end, slave) in enumerate(zip(problem.ends, slaves, strict=True)):
+        outer, inner = (0, 1) if k == 0 else (-1, -2)
+        if slave > 0.0:
+            d[outer] = slave * d[inner]
+            continue
+        h = float(share[1] - share[0]) if k == 0 else float(share[-2] - share[-1])
+        length = float(problem.launches[k])
+        d[outer] = 2.0 * abs(end.acceleration) * length if length > 0.0 else end.speed**2
+        d[inner] = d[outer] + end.acceleration * h
+    return d
+
+
+def _begin(problem: Problem, guess: FloatArray, floor: float, centre: float) -> Answer:
+    """Give where to begin: near a guess, with slacks of at least ``floor``."""
+    d = _coefficients(problem, guess)
+    _, y, slack = _measured(problem, d)
+    slack = np.maximum(slack, floor)
+    time = float((np.diff(problem.share) / np.sqrt(y[:, 0])).sum())
+    return Answer(d, y, slack, centre * time / slack.size / slack)
+
+
+def _measured(problem: Problem, d: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Give the maps from coefficients to y, y, and what rows leave of their bounds."""
+    h, cells = np.diff(problem.share), len(problem.pieces)
+    maps, y = np.empty((cells, 3, 3)), np.empty((cells, 3))
+    slack = np.empty((cells, 2 * problem.rows.shape[1] + 3))
+    bounds = problem.rows, problem.bounds, problem.caps
+    kernels().begin_into(h, np.array(slaves_of(problem)), d, *bounds, maps, y, slack)
+    return maps, y, slack
+
+
+def _improved(problem: Problem, begin: Answer) -> Answer | None:
+    """Give what the solver makes of a begin, or None if it does not succeed."""
+    d = begin.coefficients.copy()
+    slack, multiplier = begin.slack.copy(), begin.multiplier.copy()
+    maps, y, _ = _measured(problem, d)
+    slaves = slaves_of(problem)
+    held = np.zeros(d.size)
+    for k, slave in enumerate(slaves):
+        outer, inner = (0, 1) if k == 0 else (-1, -2)
+        held[outer] = 1.0
+        held[inner] = 0.0 if slave > 0.0 else 1.0
+    free = problem.launches * [slave > 0.0 for slave in slaves]
+    goal = _GAP if problem.way.cap is None else _FINE_GAP
+    about = np.diff(problem.share), free, maps, held, problem.rows, problem.bounds, problem.caps
+    if not kernels().improve(*about, goal, d, slack, multiplier, y, np.empty(5)):
+        return None
+    # between where the solver looks x may still dip below zero; it cannot with no coefficient there
+    x, u, c = y.T
+    if ((c > 0.0) & (u < 0.0) & (-u < c) & (x * c <= u * u)).any():
+        ends = np.append(x, x[-1] + 2.0 * u[-1] + c[-1])
+        least = _LEAST * np.minimum(np.append(ends[:1], ends), np.append(ends, ends[-1:]))
+        d[2:-2] = np.maximum(d, least)[2:-2]
+        y = _measured(problem, d)[1]
+    return Answer(d, y, slack, multiplier)
+
+
+def _smoothed(x: FloatArray, width: int) -> FloatArray:
+    """Give the least of so many neighbours on either side, then their mean."""
+    for reduce in (np.min, np.mean):
+        padded = np.pad(x, width, mode="edge")
+        windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * width + 1)
+        x = reduce(windows, axis=1)
+    return x
