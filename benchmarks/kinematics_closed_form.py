@@ -6,6 +6,7 @@ on a busy machine. Single calls are the bare ones of each library: a 4x4 matrix 
 branches out, no limits.
 """
 
+import functools
 import platform
 import time
 from collections.abc import Callable
@@ -18,6 +19,7 @@ from splinearm.joints import JointKind, JointLimits
 from splinearm.kinematics import Arm, DHConvention, DHLink
 from splinearm.kinematics.closed_form import ClosedForm, branches
 
+STANDARD = DHConvention.STANDARD
 TURNS = 7
 POSES = 4000
 BATCH = 20_000
@@ -129,8 +131,30 @@ def seven_joints() -> None:
     tell("Panda: joint 7 given", race(runs, POSES), "geofikpy")
 
 
+def without_peer() -> None:
+    """Time what no peer here solves: any six joints, a Panda's first joint or its swivel given."""
+    rng = np.random.default_rng(2)
+    rows = rng.uniform((-0.3, -2.0, -0.3), (0.3, 2.0, 0.3), (6, 3))
+    arm = arm_of("any", tuple((float(a), float(al), float(d)) for a, al, d in rows), STANDARD)
+    panda = arm_of("Panda", PANDA, DHConvention.MODIFIED)
+    for what, form in (
+        ("six joints of any kind", ClosedForm.of(arm)),
+        ("Panda: joint 1 given", ClosedForm.of(panda, given="joint1")),
+        ("Panda: swivel given", ClosedForm.of(panda, given="swivel")),
+    ):
+        n = form.arm.n
+        q = rng.uniform(-2.5, 2.5, (300, n))
+        q[:, 0] = 0.4
+        T = form.arm.fk(q)
+        given = (0.4,) if form.takes else ()
+        run = functools.partial(form.solve_batch, T, np.zeros(n), *given)
+        runs: dict[str, Callable[[], object]] = {"splinearm, batch": run}
+        tell(what, race(runs, 300), "none")
+
+
 if __name__ == "__main__":
     print(f"{date.today()}  {platform.processor() or platform.machine()}  numpy {np.__version__}")
     six_joints("Puma 560", PUMA)
     six_joints("UR5", UR5)
     seven_joints()
+    without_peer()

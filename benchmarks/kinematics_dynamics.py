@@ -1,4 +1,4 @@
-"""Mass matrix, forward dynamics and Coriolis matrix beside Pinocchio.
+"""Mass matrix, forward dynamics, Coriolis matrix and the Jacobian's rate beside Pinocchio.
 
 Inverse dynamics stand in ``kinematics_forward.py``; run this in the same way. No figure is wanted
 here: the ratios say where one stands.
@@ -12,14 +12,15 @@ import numpy as np
 from kinematics_forward import MODELS, arm_of, imported, pinocchio_of, processor, shortest
 
 from splinearm.kinematics import Arm
+from splinearm.kinematics.differential import jacobian_rate
 from splinearm.kinematics.dynamics import Dynamics
 
 
 def compare(pin: object, arm: Arm, m: int) -> None:
     """Print batches of ours beside loops over Pinocchio, in us a state."""
     Q, Qd, Tau = np.random.default_rng(1).uniform(-3, 3, (3, m, arm.n))
-    dynamics = Dynamics(arm)
-    model, _ = pinocchio_of(pin, arm)
+    dynamics = Dynamics(arm.compiled())
+    model, tool = pinocchio_of(pin, arm)
     data = model.createData()
     few = m // 10
     states = list(zip(Q[:few], Qd[:few], Tau[:few], strict=True))
@@ -27,6 +28,12 @@ def compare(pin: object, arm: Arm, m: int) -> None:
     np.testing.assert_allclose(dynamics.coriolis_matrix(Q[0], Qd[0]) @ Qd[0], C @ Qd[0], atol=1e-10)
     qdd = pin.aba(model, data, Q[0], Qd[0], Tau[0])
     np.testing.assert_allclose(dynamics.forward(Q[0], Qd[0], Tau[0]), qdd, rtol=1e-8)
+    aligned = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+
+    def rate(q: np.ndarray, qd: np.ndarray) -> object:
+        pin.computeJointJacobiansTimeVariation(model, data, q, qd)
+        return pin.getFrameJacobianTimeVariation(model, data, tool, aligned)
+
     for what, ours, single, theirs in (
         (
             "mass matrix",
@@ -45,6 +52,12 @@ def compare(pin: object, arm: Arm, m: int) -> None:
             lambda: dynamics.coriolis_matrix(Q, Qd),
             lambda: [dynamics.coriolis_matrix(q, qd) for q, qd, _ in states],
             lambda: [pin.computeCoriolisMatrix(model, data, q, qd) for q, qd, _ in states],
+        ),
+        (
+            "Jacobian's rate",
+            lambda: jacobian_rate(arm, Q, Qd),
+            lambda: [jacobian_rate(arm, q, qd) for q, qd, _ in states],
+            lambda: [rate(q, qd) for q, qd, _ in states],
         ),
     ):
         times = shortest(ours, single, theirs, number=1, rounds=7)

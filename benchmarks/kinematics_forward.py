@@ -11,6 +11,7 @@ import importlib
 import os
 import platform
 import timeit
+import warnings
 from collections.abc import Callable
 from math import pi
 from types import ModuleType
@@ -173,6 +174,23 @@ def compare_batches(pin: ModuleType, arm: Arm, m: int) -> None:
         row(what, rate, "Pinocchio rneaInParallel, 1 thread", rates[0], ">=4")
 
 
+def compare_with_frax(frax: ModuleType, arm: Arm, m: int) -> None:
+    """Print batches of Jacobians beside JAX, in portions of a thousand, where it is quickest.
+
+    Its Panda holds a tool of its own, which costs it nothing.
+    """
+    jax = importlib.import_module("jax")
+    Q = np.random.default_rng(1).uniform(-3, 3, (m, arm.n))
+    robot = importlib.import_module(f"{frax.__name__}.robots.franka_panda").load_panda()
+    theirs = jax.jit(jax.vmap(robot.ee_jacobian))
+    few = jax.numpy.asarray(Q[:1000])
+    jacobians = np.empty((m, 6, arm.n))
+    works = (lambda: theirs(few).block_until_ready(), lambda: arm.jacobian(Q, out=jacobians))
+    peer, ours = shortest(*works, number=1, rounds=25)
+    kind = f"frax, JAX on {jax.default_backend()}, {few.dtype}"
+    row(f"{arm.name}: {m} Jacobians, out=", m / 1e6 / ours, kind, len(few) / 1e6 / peer, ">=6")
+
+
 def compare_single(pin: ModuleType, arm: Arm) -> None:
     """Print single calls beside Pinocchio: checked, with ``out=``, and bare."""
     q, qd, qdd = np.random.default_rng(1).uniform(-3, 3, (3, arm.n))
@@ -229,7 +247,9 @@ def main() -> None:
     batch = parser.parse_args().batch
     print(f"{datetime.datetime.now(tz=datetime.UTC):%Y-%m-%d %H:%M} UTC, {platform.platform()}")
     print(f"{processor()}, cores {sorted(os.sched_getaffinity(0))}, numpy {np.__version__}")
-    rtb, pin = imported("roboticstoolbox"), imported("pinocchio")
+    os.environ |= {"JAX_ENABLE_X64": "1", "XLA_FLAGS": "--xla_cpu_multi_thread_eigen=false"}
+    warnings.filterwarnings("ignore", module="frax")  # advice on settings
+    rtb, pin, frax = (imported(name) for name in ("roboticstoolbox", "pinocchio", "frax"))
     for name in MODELS:
         arm = arm_of(name).compiled()
         if rtb is not None:
@@ -237,6 +257,8 @@ def main() -> None:
         if pin is not None:
             compare_batches(pin, arm, batch)
             compare_single(pin, arm)
+        if frax is not None and arm.name == "Panda":
+            compare_with_frax(frax, arm, batch)
 
 
 def processor() -> str:

@@ -17,7 +17,7 @@ import numpy as np
 
 from splinearm.joints import JointKind, JointLimits
 from splinearm.kinematics import Arm, DHConvention, DHLink, Pose, quaternion, search, solver
-from splinearm.kinematics.batch_search import goals_of, search_batch
+from splinearm.kinematics.batch_search import search_batch
 
 H = np.pi / 2
 # a, alpha, d, theta of each row, and limits, rad
@@ -113,18 +113,20 @@ def right(arm: Arm, T: np.ndarray, q: np.ndarray) -> np.ndarray:
     return known & (off < 1e-4) & (turned < 1e-4) & held
 
 
-def bare(arm: Arm, T: np.ndarray) -> Callable[[int], object]:
+def bare(arm: Arm, poses: list[Pose]) -> Callable[[int], object]:
     """Give a call of the kernel with everything prepared, as a loop of one's own would have it."""
-    model, kernel = solver.model_of(arm), solver.load()
-    goals = goals_of(model, T[:, :3, 3], T[:, :3, :3], 1e-6, 1e-6)
-    seeds = np.array([np.full(arm.n, np.nan), model.middle])
-    rests = np.empty((400, arm.n + 5))
-    how = solver.how()
+    inquiry = solver.inquiry(arm, (1e-6, 1e-6), 200, seeded=False, posed=True)
+    q, said = np.empty(arm.n), np.empty(5)
+    rests, room = np.empty((inquiry.most, arm.n + 5)), np.empty(inquiry.room)
+    of_arm = inquiry.starts, inquiry.tools, solver.how()
 
     def ask(i: int) -> object:
-        return kernel.search_alone(
-            model.packed, model.bounds, goals[i], model.starts, model.tools, seeds, how, 200, rests
-        )
+        pose = poses[i]
+        done = inquiry.ask(
+            inquiry.bounds, pose.p, pose.quat, inquiry.middle, inquiry.terms, *of_arm,
+            rests, room, q, said,
+        )  # fmt: skip
+        return done and said[0]
 
     return ask
 
@@ -169,10 +171,10 @@ def compare(name: str, m: int) -> None:
     q = np.array([result.q for result in results])
     said, good = np.array([result.reached for result in results]), right(arm, T, q)
     row("search", times, good.mean(), int((said & ~good).sum()), peer)
-    ask = bare(arm, T)
+    ask = bare(arm, poses)
     ask(0)
     times, results = timed(ask, m)
-    row("bare kernel", times, np.mean([r[0] for r in results]), 0, peer)
+    row("bare kernel", times, np.mean(results), 0, peer)
     begin = time.thread_time()
     batch = search_batch(arm, T)
     total = time.thread_time() - begin

@@ -3,11 +3,19 @@ import os
 import subprocess
 import sys
 from math import cos, pi, sin
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from splinearm.kinematics import angle_kernel, quartic_kernel, subproblem_kernel
+from splinearm.kinematics import (
+    angle_kernel,
+    eigenvalue_kernel,
+    general_six_kernel,
+    quartic_kernel,
+    structure,
+    subproblem_kernel,
+)
 from splinearm.kinematics.closed_form import ClosedForm, branches
 
 pytestmark = pytest.mark.kernel
@@ -80,9 +88,19 @@ def answers(arms):
             np.sort(b[: int(c)], axis=0).tolist() for b, c in zip(batch, count, strict=True)
         ]
         told[name].append(form.solve(T[0], np.zeros(6))[0].tolist())
-    for free in ("nothing", "yaw", "roll", "yaw and roll"):
-        told[free] = branches(arms["koch"], arms["koch"].fk(q[:5]), free=free).q.tolist()
-    told["panda"] = branches(arms["panda"], arms["panda"].fk(q), given={"joint7": 0.2}).q.tolist()
+    for free in ("nothing", "yaw", "roll", "yaw and roll", "orientation"):
+        found = branches(arms["koch"], arms["koch"].fk(q[:5]), q[:5], free=free)
+        told[free] = found.q.tolist()
+    T = arms["panda"].fk(q)
+    for given in ({"joint7": 0.2}, {"swivel": 0.4}):
+        told[str(given)] = branches(arms["panda"], T, q, given=given).q.tolist()
+    # two ways that serve this arm: to choose them takes plain Python a minute
+    any_six = arms["meeting wrist, oblique"]
+    rows = np.zeros((2, 6))
+    rows[:, :4] = (1, 1, 0, 1), (4, 0, 1, 2)
+    packed = np.concatenate((structure.find(any_six.packed).packed, rows))
+    found, _ = general_six_kernel.solve(packed, any_six.fk(q[:6]), np.zeros(6))
+    told["any"] = found.tolist()
     return told
 
 
@@ -113,6 +131,48 @@ def test_compiled_and_plain_kernels_agree(closed_arms, request):
     for name, value in wanted.items():
         if name in ("puma", "ur5", "oblique wrist", "base 23", "quartic"):
             for one, other in zip(told[name], value, strict=True):
-                np.testing.assert_allclose(one, other, atol=1e-11)
+                np.testing.assert_allclose(one, other, rtol=0, atol=1e-12)
         else:
-            np.testing.assert_allclose(told[name], value, atol=1e-11)
+            assert len(value), name
+            np.testing.assert_allclose(told[name], value, rtol=0, atol=1e-12)
+
+
+def test_kernels_do_without_a_library_for_linear_algebra():
+    """Compiled linear algebra of numpy would want scipy, which is not there at run time."""
+    files = list(Path(eigenvalue_kernel.__file__).parent.glob("*_kernel.py"))
+    assert len(files) > 15
+    assert [file.name for file in files if "linalg" in file.read_text(encoding="utf-8")] == []
+
+
+@pytest.mark.property
+def test_eigenvalues_are_those_of_the_library():
+    rng = np.random.default_rng(3)
+    for n in (1, 2, 3, 5, 9, 24):
+        for _ in range(4):
+            A = rng.normal(size=(n, n)) * 10.0 ** rng.uniform(-2, 2, (n, 1))
+            real, imaginary = np.empty(n), np.empty(n)
+            assert eigenvalue_kernel.eigenvalues(A.copy(), real, imaginary)
+            wanted, found = np.linalg.eigvals(A), real + 1j * imaginary
+            apart = np.abs(found[:, None] - wanted).min(axis=0)
+            assert apart.max() < 1e-11 * np.abs(wanted).max()
+    real, imaginary = np.empty(4), np.empty(4)
+    assert eigenvalue_kernel.eigenvalues(np.zeros((4, 4)), real, imaginary)
+    np.testing.assert_array_equal(real, 0.0)
+
+
+@pytest.mark.property
+def test_triangles_and_solutions_are_those_of_their_matrices():
+    rng = np.random.default_rng(4)
+    for _ in range(10):
+        A, Q, order = rng.normal(size=(7, 4)), np.empty((7, 7)), np.empty(4)
+        A[:, 2] = A[:, 1]
+        R = A.copy()
+        eigenvalue_kernel.triangulate(R, Q, order)
+        np.testing.assert_allclose(Q @ R, A[:, order.astype(int)], atol=1e-13)
+        np.testing.assert_allclose(Q.T @ Q, np.eye(7), atol=1e-13)
+        assert abs(R[3, 3]) < 1e-13
+        B, C = rng.normal(size=(5, 5)), rng.normal(size=(5, 2))
+        X = C.copy()
+        assert 0.0 < eigenvalue_kernel.eliminate(B.copy(), X) <= 1.0
+        np.testing.assert_allclose(B @ X, C, atol=1e-9)
+    assert eigenvalue_kernel.eliminate(np.zeros((2, 2)), np.ones((2, 1))) == 0.0

@@ -156,3 +156,33 @@ def test_wrong_words_are_refused(arms):
         differential.hessian(arm, q, frame="world")
     with pytest.raises(ValueError, match="qd: want finite numbers"):
         differential.jacobian_rate(arm, q, [0.0, np.nan])
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize("part", ["all", "position", "orientation"])
+def test_kernels_of_one_posture_say_what_numpy_says_of_many(arms, part):
+    for seed, arm in enumerate(arms[:14]):
+        arm.compiled()
+        q, qd = postures(arm, seed, 2)
+        rate = differential.jacobian_rate(arm, q[None], qd[None])[0]
+        np.testing.assert_allclose(differential.jacobian_rate(arm, q, qd), rate, rtol=0, atol=1e-13)
+        volume = differential.manipulability(arm, q[None], part=part)[0]
+        found = differential.manipulability(arm, q, part=part)
+        assert found.shape == ()
+        assert found == pytest.approx(volume, abs=1e-13)
+        slopes = differential.manipulability_gradient(arm, q[None], part=part)[0]
+        found = differential.manipulability_gradient(arm, q, part=part)
+        np.testing.assert_allclose(found, slopes, rtol=1e-9, atol=1e-11)
+
+
+@pytest.mark.kernel
+def test_kernels_leave_singular_postures_to_the_singular_values(dh_arm):
+    rows = [DHLink("one", 0.3, 0, 0, 0), DHLink("two", 0.2, 0, 0, 0)]
+    arm = dh_arm(rows, DHConvention.STANDARD).compiled()
+    gradient = differential.manipulability_gradient(arm, np.zeros(2), part="position")
+    # the volume is |0.3 * 0.2 sin q|
+    np.testing.assert_allclose(np.abs(gradient), [0.0, 0.06], atol=1e-15)
+    with pytest.raises(ValueError, match="q: want finite numbers"):
+        differential.manipulability(arm, np.array([0.0, np.nan]))
+    with pytest.raises(ValueError, match="part: want"):
+        differential.manipulability(arm, np.zeros(2), part="half")

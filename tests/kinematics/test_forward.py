@@ -1,5 +1,6 @@
 """Forward kinematics and Jacobian: kernels against numpy, their entries, and how they load."""
 
+import pickle
 import subprocess
 import sys
 
@@ -248,3 +249,16 @@ def test_a_heavy_batch_loads_the_kernels():
 
 def test_an_arm_can_be_compiled_ahead():
     run(f"{ARM}\nassert arm.compiled() is arm\nassert loaded()")
+
+
+@pytest.mark.kernel
+def test_an_arm_that_travelled_answers_as_before(random_arm):
+    arm = random_arm(3, 5, DHConvention.STANDARD).compiled()
+    arm.bare()
+    q = np.linspace(-1.0, 1.0, 5)
+    there = pickle.loads(pickle.dumps(arm))
+    np.testing.assert_array_equal(there.fk(q), arm.fk(q))
+    np.testing.assert_array_equal(there.jacobian(q), arm.jacobian(q))
+    T = np.empty((4, 4))
+    assert there.bare().fk(q, T)
+    np.testing.assert_array_equal(T, arm.fk(pickle.loads(pickle.dumps(q))))

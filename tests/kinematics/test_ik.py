@@ -1,3 +1,4 @@
+from dataclasses import fields
 from math import inf, pi
 
 import numpy as np
@@ -10,11 +11,13 @@ from splinearm.joints import JointKind
 from splinearm.kinematics import (
     DHConvention,
     DHLink,
+    IKResult,
     IKStatus,
     Pose,
     quaternion,
     search,
     solve,
+    solver,
     space,
 )
 
@@ -310,3 +313,25 @@ def test_a_target_in_other_words_for_the_same_rotation_is_the_same(widowx):
 def test_arguments_that_are_none_are_refused(planar, ask, arguments, message):
     with pytest.raises(ValueError, match=message):
         ask(planar, **{"target": [0.4, 0.1, 0.06], **arguments})
+
+
+@pytest.mark.kernel
+def test_a_confirmed_result_is_like_any_other(widowx):
+    solver.load()
+    result = search(widowx, pose_at(widowx, np.full(6, 0.3)))
+    values = {each.name: getattr(result, each.name) for each in fields(IKResult)}
+    assert repr(IKResult(**values)) == repr(result)
+    assert not result.q.flags.writeable
+    with pytest.raises(AttributeError):
+        result.q = np.zeros(6)
+
+
+@pytest.mark.kernel
+def test_joints_with_room_for_a_turn_may_be_turned_through_their_limits(dh_arm):
+    rows = [DHLink(f"j{i}", 0.3, 0, 0, 0) for i in range(2)]
+    arm = dh_arm(rows, DHConvention.STANDARD, q_min=-pi, q_max=pi)
+    solver.load()
+    for angle in (3.1, -3.1, pi, -pi):
+        result = search(arm, arm.fk([angle, 0.4])[:3, 3])
+        assert result.reached
+        assert (np.abs(result.q) <= pi).all()

@@ -98,3 +98,15 @@ def test_what_is_no_start_is_refused(panda):
         improve(panda, np.zeros(6), AwayFromLimits())
     with pytest.raises(ValueError, match="want a posture of 7 joints, got 2"):
         improve(panda, POSTURE, NearPosture(np.zeros(2)))
+
+
+@pytest.mark.parametrize(
+    "objective", OBJECTIVES, ids=["limits", "volume", "volume of velocities", "posture"]
+)
+def test_the_slopes_of_an_objective_are_its_differences(panda, objective):
+    for share in (0.2, 0.45, 0.7):
+        q = panda.limits.q_min + share * (panda.limits.q_max - panda.limits.q_min)
+        steps = 1e-6 * np.eye(7)
+        wanted = [objective.cost(panda, q + d) - objective.cost(panda, q - d) for d in steps]
+        found = objective.gradient(panda, q)
+        np.testing.assert_allclose(found, np.array(wanted) / 2e-6, atol=1e-6)

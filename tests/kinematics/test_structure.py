@@ -19,8 +19,7 @@ WORDS = {
     "wx200": "pan, three parallel axes and roll",
     "open_manipulator_x": "pan and three parallel axes",
     "panda": "no closed form",
-    "meeting wrist": "last two axes meeting, a base whose second and third axes are parallel, "
-    "search along the fourth joint",
+    "meeting wrist": "six joints of any kind",
 }
 
 

@@ -5,14 +5,14 @@ from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import Literal, Self, TypeAlias
 
 import numpy as np
-from numpy import empty, ndarray
+from numpy import empty
 
 from splinearm.arrays import ArrayInput, FloatArray
 from splinearm.joints import JointLimits
 
 from . import chain, forward, space
 from .dh import DHConvention, DHLink
-from .forward import LOADED
+from .forward import LOADED, NOT_LOADED
 from .link import Inertia, Link
 from .packed import pack_kernel
 
@@ -49,6 +49,7 @@ class Arm:
     """The DH table that the links come from, if they do."""
     _packed: chain.Chain = field(init=False, repr=False)
     _numbers: FloatArray = field(init=False, repr=False)
+    _bare: forward.Bare = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "links", tuple(self.links))
@@ -63,6 +64,7 @@ class Arm:
         packed = chain.pack(self.links, self.T_base_first, self.T_flange_tool)
         object.__setattr__(self, "_packed", packed)
         object.__setattr__(self, "_numbers", pack_kernel(packed))
+        object.__setattr__(self, "_bare", NOT_LOADED)
 
     @classmethod
     def from_dh(  # noqa: PLR0913 - all that an arm file says of its table
@@ -142,7 +144,9 @@ class Arm:
 
     def bare(self) -> forward.Bare:
         """Give the kernels of this arm as functions for the tightest loops; see `forward.Bare`."""
-        return forward.bare(self._numbers)
+        if self._bare is NOT_LOADED:
+            object.__setattr__(self, "_bare", forward.bare(self._numbers))
+        return self._bare
 
     def fk(self, q: ArrayInput, *, out: FloatArray | None = None) -> FloatArray:
         """Give the pose of the tool in base, T_base_tool, shape (..., 4, 4).
@@ -158,15 +162,12 @@ class Arm:
             ValueError: If the last axis is not n long, a number is not finite, or ``out`` does
                 not fit. What stands in ``out`` is then not to be used.
         """
-        single = LOADED.single
-        if single is not None and type(q) is ndarray and q.ndim == 1:
-            T = empty((4, 4)) if out is None else out
-            try:
-                if single.fk(self._numbers, q, T):
-                    return T
-            except TypeError:
-                pass  # not as the kernel takes them: converted, or refused, below
-        return forward.fk(self._packed, self._numbers, self.joint_array(q), out)
+        T = empty((4, 4)) if out is None else out
+        if self._bare.fk(q, T):
+            return T
+        # not as the kernel takes it, or no kernel yet: converted, or refused
+        q = self.joint_array(q)
+        return forward.fk(self._packed, self._numbers, self._single(out), q, out)
 
     def frames(self, q: ArrayInput, *, out: FloatArray | None = None) -> FloatArray:
         """Give the pose of every link frame in base, shape (..., n, 4, 4).
@@ -200,20 +201,16 @@ class Arm:
             TypeError: As in `fk`.
             ValueError: As in `fk`, or if ``frame`` is neither word.
         """
-        single = LOADED.single
-        if single is not None and frame == "base" and type(q) is ndarray and q.ndim == 1:
+        if frame == "base":
             J = empty((6, len(self.links))) if out is None else out
-            try:
-                if single.jacobian(self._numbers, q, J):
-                    return J
-            except TypeError:
-                pass  # not as the kernel takes them: converted, or refused, below
-        if frame not in ("base", "tool"):
+            if self._bare.jacobian(q, J):
+                return J
+        elif frame != "tool":
             raise ValueError(f"frame: want 'base' or 'tool', got {frame!r}")
         q = self.joint_array(q)
-        J = forward.jacobian(self._packed, self._numbers, q, out)
+        J = forward.jacobian(self._packed, self._numbers, self._single(out), q, out)
         if frame == "tool":
-            R_tool_base = forward.fk(self._packed, self._numbers, q, None)[..., :3, :3].mT
+            R_tool_base = self.fk(q)[..., :3, :3].mT
             J[..., :3, :] = R_tool_base @ J[..., :3, :]
             J[..., 3:, :] = R_tool_base @ J[..., 3:, :]
         return J
@@ -246,6 +243,10 @@ class Arm:
         if not np.isfinite(array).all():
             raise ValueError(f"{name}: want finite numbers, got {array.tolist()}")
         return array
+
+    def _single(self, out: FloatArray | None) -> forward.Bare:
+        """Give the kernels of single calls once they are loaded, or wanted because of ``out``."""
+        return self._bare if LOADED.single is None and out is None else self.bare()
 
     def _check_limits(self) -> None:
         if self.limits.names != self.joint_names:

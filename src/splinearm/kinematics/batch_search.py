@@ -11,7 +11,7 @@ from splinearm.arrays import ArrayInput, FloatArray
 from . import quaternion, solver, space
 from .answer import IKResult, IKStatus
 from .arm import Arm
-from .ik import HOPELESS, RESTARTS, check_tolerances, search
+from .ik import RESTARTS, check_tolerances, search
 from .pose import Pose
 
 
@@ -176,7 +176,7 @@ def _search(model: solver.Model, question: Question) -> FloatArray:
     seeds[:, 1] = model.middle if question.seeds is None else question.seeds
     far = np.linalg.norm(question.positions - model.shoulder, axis=1)
     hopeless = far > model.reach + question.position_tolerance
-    restarts = np.where(hopeless, min(question.restarts, HOPELESS), question.restarts)
+    restarts = np.where(hopeless, min(question.restarts, solver.HOPELESS), question.restarts)
     kernel = solver.load()
     kernel.search_batch(
         model.packed, model.bounds, goals, model.starts, model.tools, seeds, solver.how(),

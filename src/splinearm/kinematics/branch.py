@@ -1,12 +1,15 @@
 """What a closed form answers: all branches of a target, and why there is none."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from splinearm.arrays import ArrayInput, FloatArray, frozen_array
 
 from .answer import IKStatus
+
+_SAME = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -58,3 +61,15 @@ class Branches:
         seed = frozen_array(q_seed, (self.q.shape[1],), "q_seed")
         nearest: FloatArray = self.q[int(np.argmin(np.linalg.norm(self.q - seed, axis=1)))]
         return nearest
+
+
+def nearest_first(
+    q: FloatArray, near: FloatArray, allowed: "np.ndarray[tuple[Any, ...], np.dtype[np.bool_]]"
+) -> list[int]:
+    """Give the rows of q (m, n) that are allowed, nearest to a seed (n,) first, each but once."""
+    kept: list[int] = []
+    for i in np.argsort(np.linalg.norm(q - near, axis=1), kind="stable"):
+        apart = [np.abs(np.sin(0.5 * (q[i] - q[j]))).max() > _SAME for j in kept]
+        if allowed[i] and all(apart):
+            kept.append(int(i))
+    return kept

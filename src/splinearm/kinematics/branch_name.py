@@ -5,7 +5,8 @@
 - elbow up, down: over or under the line from the second joint to the wrist, seen along base z
   (for planar arms: left or right of the way to the target, as module planar has it).
 - wrist flipped: the other sign of the wrist's middle joint (six joints), or the tool held from
-  the other side (four and five); numbered where a search found it.
+  the other side (four and five).
+- branch 1, 2 ...: merely numbered, of six joints without a structure that would name them.
 """
 
 import numpy as np
@@ -18,19 +19,18 @@ from .structure import ArmClass, Structure
 
 _LEVEL = 1e-6
 _PARALLEL_BASE = 0.0
-_WRISTS = 8
-_BY_NUMBER = (ArmClass.SPHERICAL_SHOULDER, ArmClass.MEETING_WRIST)
+_BY_NUMBER = (ArmClass.SPHERICAL_SHOULDER,)
 
 
 def name(arm: Arm, structure: Structure, q: FloatArray, code: float) -> str:
     """Give the words of one branch, by its number as the kernels count."""
-    wrists, bits = divmod(int(code), _WRISTS)
+    bits = int(code)
+    if structure.kind is ArmClass.GENERAL:
+        return f"branch {bits + 1}"
     if structure.kind is ArmClass.PLANAR:
         return "elbow up" if bits & 2 else "elbow down"
     shoulder = "shoulder right" if bits & 4 else "shoulder left"
     wrist = ", wrist flipped" if bits & 1 else ""
-    if structure.kind is ArmClass.MEETING_WRIST:
-        wrist = f", wrist {wrists + 1}"
     return f"{shoulder}, {_elbow(arm, structure, q, bits)}{wrist}"
 
 

@@ -10,7 +10,8 @@ meets a pose only now and then, so the call says what of the target is free:
   which the tool points, are met.
 - ``"yaw and roll"``: the position and the pitch of the tool's pointing axis are met; a roll joint
   keeps the seed's value.
-- ``"orientation"``: the position alone is met.
+- ``"orientation"``: the position alone is met; of what is left open a roll joint keeps the seed's
+  value, and so does the pitch as far as the arm reaches with it.
 """
 
 from collections.abc import Callable, Mapping
@@ -24,11 +25,11 @@ from splinearm.arrays import ArrayInput, FloatArray, frozen_array
 from splinearm.errors import KinematicsError
 from splinearm.units import DEG
 
-from . import branch_name, gauge, planar_chain, shortfall, structure, turn
+from . import branch_name, gauge, general_six, planar_chain, shortfall, structure, swivel, turn
 from .answer import IKStatus
 from .arm import Arm
 from .branch import Branches as Branches
-from .chain import Chain
+from .branch import nearest_first
 from .pose import Pose
 from .structure import ArmClass as ArmClass
 from .structure import Structure
@@ -47,15 +48,15 @@ MET = {
 }
 """What is met when that is free."""
 
-_FEW = {"nothing": 0, "yaw": 1, "roll": 2, "yaw and roll": 3}
+_FEW = {"nothing": 0, "yaw": 1, "roll": 2, "yaw and roll": 3, "orientation": 4}
 _ALLOWED = {
-    ArmClass.PAN_AND_ROLL: ("nothing", "yaw", "roll", "yaw and roll"),
-    ArmClass.PAN: ("nothing", "yaw", "yaw and roll"),
+    ArmClass.PAN_AND_ROLL: ("nothing", "yaw", "roll", "yaw and roll", "orientation"),
+    ArmClass.PAN: ("nothing", "yaw", "yaw and roll", "orientation"),
     ArmClass.PLANAR: ("nothing", "orientation"),
 }
 _SIX = (ArmClass.SPHERICAL_WRIST, ArmClass.SPHERICAL_SHOULDER, ArmClass.THREE_PARALLEL)
-_SOLVED = (*_SIX, ArmClass.MEETING_WRIST)
-_SAME = 1e-6
+_WHOLE = (*_SIX, ArmClass.GENERAL, ArmClass.SEVEN)
+_SWIVEL = "swivel"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,26 +68,26 @@ class ClosedForm:
     structure: Structure
     """Its class; of the other six joints where one of seven is given."""
     given: int | None
-    """The joint whose position each call gives, counted from 0; None: none."""
+    """The joint whose position each call gives, counted from 0; None: none, or the swivel."""
     still: FloatArray
     """Inverse of the constant transform beyond a given first or last joint, shape (4, 4)."""
-    _six: _Kernel = field(init=False, repr=False)
+    _whole: _Kernel = field(init=False, repr=False)
     _given: _Kernel = field(init=False, repr=False)
     _at_end: bool = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        if self.structure.kind not in _SOLVED:
-            for name in ("_six", "_given"):
-                object.__setattr__(self, name, _refuse)
-            object.__setattr__(self, "_at_end", False)
-            return
-        # here numba is loaded
-        from . import meeting_kernel, six_kernel
+        whole: _Kernel = _refuse
+        given: _Kernel = _refuse
+        if self.structure.kind in _WHOLE:
+            # here numba is loaded
+            from . import general_six_kernel, six_kernel, swivel_kernel
 
-        searched = self.structure.kind is ArmClass.MEETING_WRIST
-        object.__setattr__(self, "_six", meeting_kernel.solve if searched else six_kernel.solve)
-        object.__setattr__(self, "_given", six_kernel.solve_given)
-        at_end = self.given in (0, self.arm.n - 1) and not searched
+            kernels = {ArmClass.GENERAL: general_six_kernel, ArmClass.SEVEN: swivel_kernel}
+            whole = kernels.get(self.structure.kind, six_kernel).solve
+            given = six_kernel.solve_given
+        object.__setattr__(self, "_whole", whole)
+        object.__setattr__(self, "_given", given)
+        at_end = self.given in (0, self.arm.n - 1) and self.structure.kind in _SIX
         object.__setattr__(self, "_at_end", at_end)
 
     @classmethod
@@ -95,7 +96,7 @@ class ClosedForm:
 
         Args:
             arm: The arm.
-            given: For an arm of seven joints: the joint whose position will be given.
+            given: For an arm of seven joints: the joint whose position will be given, or "swivel".
 
         Raises:
             KinematicsError: If the arm has no closed form; numeric search serves it.
@@ -103,23 +104,31 @@ class ClosedForm:
                 of seven joints.
         """
         if given is None:
-            found = structure.find(arm.packed)
-            if found.kind is ArmClass.NONE:
+            found = _complete(structure.find(arm.packed))
+            if found is None:
                 raise KinematicsError(_no_form(arm))
             return cls(arm, found, None, np.eye(4))
-        if given not in arm.joint_names:
-            raise ValueError(f"given: want one of {list(arm.joint_names)}, got {given!r}")
+        if given not in (*arm.joint_names, _SWIVEL):
+            words = [*arm.joint_names, _SWIVEL]
+            raise ValueError(f"given: want one of {words}, got {given!r}")
         if arm.n != 7:
             raise ValueError(f"given: want an arm of seven joints, got one of {arm.n}")
+        if given not in arm.joint_names:
+            return cls(arm, swivel.structure_of(arm), None, np.eye(4))
         joint = arm.joint_names.index(given)
-        found = structure.find(_without(arm.packed, joint, 0.5))
-        if found.kind not in _SIX:
+        found = _complete(structure.find(gauge.without(arm.packed, joint, 0.5)))
+        if found is None:
             raise KinematicsError(
                 f"arm {arm.name!r} with {given!r} given has no closed form; give another joint or "
                 "use search"
             )
         beyond = arm.packed.fixed[-1 if joint == arm.n - 1 else 0]
         return cls(arm, found, joint, np.linalg.inv(beyond))
+
+    @property
+    def takes(self) -> bool:
+        """Whether each call gives a number: the position of a joint, or the swivel."""
+        return self.given is not None or self.structure.kind is ArmClass.SEVEN
 
     def solve(
         self, T: FloatArray, q_seed: FloatArray, q_given: float = 0.0
@@ -129,51 +138,79 @@ class ClosedForm:
         Args:
             T: The pose T_base_tool, shape (4, 4), float64.
             q_seed: What joints that are free in a singular pose keep, shape (n,), rad, float64.
-            q_given: Position of the given joint, rad.
+            q_given: Position of the given joint, or the swivel, rad.
 
         Returns:
             Joint positions between -pi and pi, whatever the limits, shape (m, n), rad; and the
             number of each branch, shape (m,).
 
         Raises:
-            KinematicsError: If the given joint stands where the other six have no closed form.
+            KinematicsError: If the given joint stands where the other six have no closed form, or
+                the swivel has no meaning in that pose.
         """
         packed = self.structure.packed
-        if self.given is None:
-            return self._six(packed, T, q_seed)
         if self._at_end:
-            return self._given(packed, T, q_seed, self.still, q_given, self.given > 0)
-        found = _structure_at(self.arm, self.given, q_given)
-        if found.kind not in _SIX:
-            name = self.arm.joint_names[self.given]
-            raise KinematicsError(
-                f"arm {self.arm.name!r} has no closed form with {name!r} at {q_given / DEG:.4g} "
-                "deg: give another position or joint, or use search"
-            )
-        six, codes = self._six(found.packed, T, np.delete(q_seed, self.given))
-        return np.insert(six, self.given, q_given, axis=1), codes
+            return self._given(packed, T, q_seed, self.still, q_given, self.given != 0)
+        if self.given is None:
+            if self.structure.kind is ArmClass.SEVEN:
+                swivel.check(self.arm, self.structure, T)
+                return self._whole(packed, T, q_seed, q_given)
+            return self._whole(packed, T, q_seed)
+        six = self._six_at(q_given)
+        q, codes = six.solve(T, np.delete(q_seed, self.given))
+        return np.insert(q, self.given, q_given, axis=1), codes
 
-    def solve_batch(self, T: FloatArray, q_seed: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Give all branches of whole poses of six joints; nothing is checked here.
+    def solve_batch(
+        self, T: FloatArray, q_seed: FloatArray, q_given: float = 0.0
+    ) -> tuple[FloatArray, FloatArray]:
+        """Give all branches of whole poses of six or seven joints; nothing is checked here.
 
         Args:
             T: The poses T_base_tool, shape (m, 4, 4), float64.
-            q_seed: What joints that are free in a singular pose keep, shape (6,), rad, float64.
+            q_seed: What joints that are free in a singular pose keep, shape (n,), rad, float64.
+            q_given: Position of the given joint, or the swivel, in all of them, rad.
 
         Returns:
-            Joint positions between -pi and pi, whatever the limits, shape (m, 8, 6), rad, NaN
-            behind the last branch; and the number of branches, shape (m,).
+            Joint positions between -pi and pi, whatever the limits, shape (m, most, n), rad, NaN
+            behind the last branch; and the number of branches, shape (m,). The most branches are
+            8, 16 of joints of any kind, 32 with the swivel given.
 
         Raises:
-            ValueError: If the arm is not one of six joints.
+            KinematicsError: As ``solve`` does.
+            ValueError: If the arm has fewer than six joints.
         """
-        from . import six_kernel
+        from . import general_six_kernel, six_kernel, swivel_kernel
 
-        if self.structure.kind not in _SIX or self.given is not None:
-            raise ValueError(f"solve_batch: want an arm of six joints, got {self.structure.words}")
-        q, count = np.empty((len(T), six_kernel.MOST, 6)), np.empty(len(T))
-        six_kernel.solve_batch(self.structure.packed, T, q_seed, q, count)
+        kind = self.structure.kind
+        if kind not in _WHOLE:
+            words = self.structure.words
+            raise ValueError(f"solve_batch: want an arm of six joints or more, got {words}")
+        packed = self.structure.packed
+        if self.given is not None:
+            six, seed = self._six_at(q_given), np.delete(q_seed, self.given)
+            q, count = six.solve_batch(T, seed)
+            whole = np.insert(q, self.given, np.where(np.isnan(q[..., 0]), np.nan, q_given), axis=2)
+            return whole, count
+        count = np.empty(len(T))
+        if kind is ArmClass.SEVEN:
+            for pose in T:
+                swivel.check(self.arm, self.structure, pose)
+            wide = np.empty((len(T), swivel_kernel.MOST, 8))
+            swivel_kernel.solve_batch(packed, T, q_seed, q_given, wide, count)
+            q = wide[..., :7]
+        elif kind is ArmClass.GENERAL:
+            q = np.empty((len(T), general_six_kernel.MOST, 6))
+            general_six_kernel.solve_batch(packed, T, q_seed, q, count)
+        else:
+            q = np.empty((len(T), six_kernel.MOST, 6))
+            six_kernel.solve_batch(packed, T, q_seed, q, count)
         return q, count
+
+    def _six_at(self, q_given: float) -> "ClosedForm":
+        """Give the closed form of the other six joints with the given one in its place."""
+        if self.given is None:
+            raise ValueError("given: want a joint")
+        return _locked(self.arm, self.given, q_given, self.structure)
 
     def branches(
         self,
@@ -191,7 +228,7 @@ class ClosedForm:
         if free not in allowed:
             words = self.structure.words
             raise ValueError(f"free: want one of {list(allowed)} for {words}, got {free!r}")
-        if (q_given is None) != (self.given is None) or not np.isfinite(q_given or 0.0):
+        if (q_given is None) == self.takes or not np.isfinite(q_given or 0.0):
             raise ValueError(f"q_given: want a number exactly if a joint is given, got {q_given}")
         T = _matrix(target, free)
         near = turn.middle(limits.q_min, limits.q_max)
@@ -208,8 +245,7 @@ class ClosedForm:
         q, codes, errors = q[good], codes[good], errors[:, good]
         q = np.where(arm.packed.turns, turn.nearest(q, near, limits.q_min, limits.q_max), q)
         excess = np.maximum(np.maximum(limits.q_min - q, q - limits.q_max), 0.0)
-        keep = [i for i in _order(q, near) if not excess[i].any()]
-        keep = _distinct(q, keep)
+        keep = nearest_first(q, near, (excess == 0.0).all(axis=1))
         status, joint, reason = IKStatus.REACHED, None, ""
         if not keep:
             status, joint, reason = self._why(T, q, excess, free, near, axis)
@@ -229,7 +265,7 @@ class ClosedForm:
         self, T: FloatArray, near: FloatArray, free: str, axis: FloatArray, q_given: float | None
     ) -> tuple[FloatArray, FloatArray]:
         kind = self.structure.kind
-        if kind in _SOLVED:
+        if kind in _WHOLE:
             return self.solve(T, near, q_given or 0.0)
         if kind is ArmClass.PLANAR:
             planar = planar_chain.find(self.arm.packed)
@@ -292,7 +328,8 @@ def branches(
         free: What of the target need not be met; see the module's docstring.
         pointing: The tool's pointing axis in the tool frame, shape (3,), whose pitch counts when
             "yaw and roll" are free.
-        given: Of an arm of seven joints: the name of one joint and its position, rad.
+        given: Of an arm of seven joints: the name of one joint and its position, rad; or "swivel"
+            and the swivel of the elbow, rad, as module swivel has it.
 
     Raises:
         KinematicsError: If the arm has no closed form; numeric search serves it.
@@ -318,24 +355,26 @@ def _form(arm: Arm, given: str | None) -> ClosedForm:
 
 
 @lru_cache(maxsize=256)
-def _structure_at(arm: Arm, joint: int, q: float) -> Structure:
-    return structure.find(gauge.lock(arm.packed, joint, q))
+def _locked(arm: Arm, joint: int, q: float, like: Structure) -> ClosedForm:
+    """Give the closed form of the other six joints of an arm whose joint stands at q."""
+    found: Structure | None = structure.find(gauge.lock(arm.packed, joint, q))
+    if found is not None and found.kind is ArmClass.GENERAL is like.kind:
+        found = general_six.complete_like(found, like)
+    elif found is not None:
+        found = _complete(found)
+    if found is None or found.kind not in _WHOLE:
+        raise KinematicsError(
+            f"arm {arm.name!r} has no closed form with {arm.joint_names[joint]!r} at "
+            f"{q / DEG:.4g} deg: give another position or joint, or use search"
+        )
+    return ClosedForm(arm, found, None, np.eye(4))
 
 
-def _without(chain: Chain, joint: int, q: float) -> Chain:
-    """Give the chain without a joint: cut off at either end, else locked at q."""
-    n = len(chain.turns)
-    if 0 < joint < n - 1:
-        return gauge.lock(chain, joint, q)
-    kept = slice(1, None) if joint == 0 else slice(0, n - 1)
-    fixed = chain.fixed[1:] if joint == 0 else chain.fixed[:-1]
-    return Chain(
-        fixed=fixed,
-        joint_link=chain.joint_link[kept],
-        turns=chain.turns[kept],
-        slides=chain.slides[kept],
-        any_slide=bool(chain.slides[kept].any()),
-    )
+def _complete(found: Structure) -> Structure | None:
+    """Give a structure with all that its kernels need; None if there is no closed form."""
+    if found.kind is ArmClass.GENERAL:
+        return general_six.complete(found)
+    return None if found.kind is ArmClass.NONE else found
 
 
 def _matrix(target: Pose | ArrayInput, free: str) -> FloatArray:
@@ -348,19 +387,6 @@ def _matrix(target: Pose | ArrayInput, free: str) -> FloatArray:
     return Pose.from_matrix(target).matrix()
 
 
-def _order(q: FloatArray, near: FloatArray) -> list[int]:
-    return [int(i) for i in np.argsort(np.linalg.norm(q - near, axis=1), kind="stable")]
-
-
-def _distinct(q: FloatArray, rows: list[int]) -> list[int]:
-    """Give the rows without those that say the same once more."""
-    kept: list[int] = []
-    for i in rows:
-        if all(np.abs(np.sin(0.5 * (q[i] - q[j]))).max() > _SAME for j in kept):
-            kept.append(i)
-    return kept
-
-
 def _no_form(arm: Arm) -> str:
-    hint = "give the position of one joint, or use search" if arm.n == 7 else "use search"
+    hint = "give the position of one joint, or the swivel" if arm.n == 7 else "use search"
     return f"arm {arm.name!r} has no closed form: {hint}"

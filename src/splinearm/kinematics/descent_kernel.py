@@ -2,15 +2,18 @@
 
 A goal is one array G, shape (16,): position (0..2), orientation row-major (3..11), weight of the
 position (12), weight of the orientation (13; 0: any orientation will do), the position's (14) and
-the orientation's (15) tolerance. A workspace is what ``workspace`` gives; it is written over.
+the orientation's (15) tolerance. A workspace is what ``workspace`` gives, or ``cut`` of room
+that somebody has; it is written over.
 """
 
-from math import atan2, cos, sin, sqrt
+from math import atan2, cos, sqrt
 
 import numpy as np
 
 from splinearm.arrays import FloatArray
 from splinearm.compiled import kernel
+
+from .sine_kernel import sine_and_cosine
 
 # the constants of module descent, each explained there
 _POLISH = 1e-3
@@ -28,12 +31,28 @@ Workspace = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 @kernel
 def workspace(n: int) -> Workspace:
     """Give room for the descents of an arm of n joints."""
+    return cut(np.empty(room(n)), n)
+
+
+@kernel
+def room(n: int) -> int:
+    """Give how many numbers a workspace holds."""
+    return 2 * n * n + 19 * n + 12
+
+
+@kernel
+def cut(room: FloatArray, n: int) -> Workspace:
+    """Give a workspace in room for it."""
+    a = 12 * n
+    b = a + 12
+    c = b + 3 * n
+    d = c + 2 * n * n
     return (
-        np.empty((2, n, 6)),
-        np.empty((2, 6)),
-        np.empty((3, n)),
-        np.empty((2, n, n)),
-        np.empty((4, n)),
+        room[:a].reshape((2, n, 6)),
+        room[a:b].reshape((2, 6)),
+        room[b:c].reshape((3, n)),
+        room[c:d].reshape((2, n, n)),
+        room[d : d + 4 * n].reshape((4, n)),
     )
 
 
@@ -107,8 +126,7 @@ def look(
         a21 = r20 * o1 + r21 * o4 + r22 * o7
         r22 = r20 * o2 + r21 * o5 + r22 * o8
         if k < n and O[k, 12] == 0.0:
-            c = cos(q[k])
-            s = sin(q[k])
+            s, c = sine_and_cosine(q[k])
             r00 = a00 * c + a01 * s
             r01 = a01 * c - a00 * s
             r10 = a10 * c + a11 * s

@@ -4,7 +4,9 @@ Velocities are of the tool point, linear (m/s) above angular (rad/s); everything
 vector or many.
 """
 
-from typing import Literal, TypeAlias
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -13,6 +15,7 @@ from splinearm.errors import KinematicsError
 
 from . import quaternion
 from .arm import Arm, Frame
+from .forward import LOADED
 
 Part: TypeAlias = Literal["all", "position", "orientation"]
 """Which rows of a Jacobian: all six, the linear three or the angular three."""
@@ -36,13 +39,17 @@ def hessian(arm: Arm, q: ArrayInput, *, frame: Frame = "base") -> FloatArray:
         ValueError: If the last axis of ``q`` is not n long or a number is not finite, or if
             ``frame`` is neither word.
     """
+    return hessian_of(arm.jacobian(q, frame=frame), frame=frame)
+
+
+def hessian_of(J: FloatArray, *, frame: Frame = "base") -> FloatArray:
+    """Give the derivative of a Jacobian by each joint, (..., n, 6, n), from itself, (..., 6, n)."""
     # Bruyninckx and De Schutter, Symbolic differentiation of the velocity mapping for a serial
     # kinematic chain, Mechanism and Machine Theory 31 (1996) 135: a joint turns the columns of all
     # that follow it, and moves the tool point under the columns of all before it
-    J = arm.jacobian(q, frame=frame)
     columns = J.mT
     v, w = columns[..., :3], columns[..., 3:]
-    j, k = np.indices((arm.n, arm.n))
+    j, k = np.indices((J.shape[-1],) * 2)
     linear = np.cross(w[..., np.minimum(j, k), :], v[..., np.maximum(j, k), :])
     turned = np.cross(w[..., j, :], w[..., k, :])
     angular = np.where((j < k)[..., None], turned, 0.0)
@@ -67,6 +74,10 @@ def jacobian_rate(arm: Arm, q: ArrayInput, qd: ArrayInput, *, frame: Frame = "ba
     Raises:
         ValueError: As in `hessian`; for ``qd`` too.
     """
+    if frame == "base" and LOADED.single is not None:
+        rate = np.empty((6, arm.n))
+        if _calls(arm).rate(q, qd, rate):
+            return rate
     rates = arm.joint_array(qd, "qd")
     change: FloatArray = np.einsum("...j,...jrk->...rk", rates, hessian(arm, q, frame=frame))
     return change
@@ -140,7 +151,12 @@ def manipulability(arm: Arm, q: ArrayInput, *, part: Part = "all") -> FloatArray
         ValueError: If the last axis of ``q`` is not n long or a number is not finite, or if
             ``part`` is none of these words.
     """
-    volume: FloatArray = np.linalg.svd(arm.jacobian(q)[..., _rows(part), :], compute_uv=False).prod(
+    rows = _rows(part)
+    if LOADED.single is not None:
+        one = np.empty(1)
+        if _calls(arm).volume(q, _SPANS[part], one, _NONE):
+            return one.reshape(())
+    volume: FloatArray = np.linalg.svd(arm.jacobian(q)[..., rows, :], compute_uv=False).prod(
         axis=-1
     )
     return volume
@@ -160,6 +176,10 @@ def manipulability_gradient(arm: Arm, q: ArrayInput, *, part: Part = "all") -> F
         ValueError: As in `manipulability`.
     """
     rows = _rows(part)
+    if LOADED.single is not None:
+        slopes = np.empty(arm.n)
+        if _calls(arm).volume(q, _SPANS[part], np.empty(1), slopes):
+            return slopes
     U, sigma, Vt = np.linalg.svd(arm.jacobian(q)[..., rows, :], full_matrices=False)
     # the derivative of a singular value is u' dJ v; of their product, that times all the others,
     # which unlike w tr(J+ dJ) holds where one of them is zero
@@ -169,6 +189,30 @@ def manipulability_gradient(arm: Arm, q: ArrayInput, *, part: Part = "all") -> F
     )
     gradient: FloatArray = np.einsum("...jk,...k->...j", changes, others)
     return gradient
+
+
+class _Calls(NamedTuple):
+    """The kernels of one arm for one joint vector; see `differential_kernel`."""
+
+    rate: Callable[..., bool]
+    volume: Callable[..., bool]
+
+
+@lru_cache(maxsize=16)
+def _calls(arm: Arm) -> _Calls:
+    from splinearm.compiled import bind
+
+    from . import differential_kernel as kernel
+
+    return _Calls(bind(kernel.rate_call, arm.numbers), bind(kernel.volume_call, arm.numbers))
+
+
+_SPANS = {
+    "all": np.array((0.0, 6.0)),
+    "position": np.array((0.0, 3.0)),
+    "orientation": np.array((3.0, 6.0)),
+}
+_NONE = np.empty(0)
 
 
 def _rows(part: Part) -> slice:

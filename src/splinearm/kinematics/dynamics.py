@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass, field
-from functools import partial
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from .arm import Arm
 from .body import moved
 from .forward import answer
 from .link import Inertia
-from .mover import Mover, load_mover
+from .mover import Mover, Single, load_mover, single
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -82,6 +81,7 @@ class Dynamics:
     """What motors and gears add; None: nothing."""
     _model: FloatArray = field(init=False)
     _mover: Mover = field(init=False)
+    _single: Single = field(init=False)
 
     def __post_init__(self) -> None:
         gravity = frozen_array(self.gravity, (3,), "gravity")
@@ -94,6 +94,7 @@ class Dynamics:
         model[-1, 13:16] = self.arm.T_world_base[:3, :3].T @ gravity
         object.__setattr__(self, "_model", model)
         object.__setattr__(self, "_mover", load_mover())
+        object.__setattr__(self, "_single", single(model))
 
     def __repr__(self) -> str:
         return f"Dynamics({self.arm!r}, payload {self.payload.mass if self.payload else 0.0:g} kg)"
@@ -117,13 +118,10 @@ class Dynamics:
             ValueError: If an array's last axis is not n long, a number is not finite, the leading
                 axes do not fit each other, or ``out`` does not fit.
         """
-        if type(q) is np.ndarray and q.ndim == 1:
-            tau = np.empty(len(q)) if out is None else out
-            try:
-                if self._mover.inverse(self._model, q, qd, qdd, tau):
-                    return tau
-            except TypeError:
-                pass  # not as the kernel takes them: converted, or refused, below
+        tau = np.empty(len(self.arm.links)) if out is None else out
+        if self._single.inverse(q, qd, qdd, tau):
+            return tau
+        # many states, or not as the kernel takes them: converted, or refused
         shape, rows = self._rows(q=q, qd=qd, qdd=qdd)
         tau = answer(out, shape)
         self._mover.inverse_batch(self._model, *rows, tau.reshape(-1, self.arm.n))
@@ -133,10 +131,9 @@ class Dynamics:
         """Give inverse dynamics as ``function(q, qd, qdd, out) -> done``, for the tightest loops.
 
         It takes four contiguous arrays of float64, shape (n,), and answers False, having written
-        nothing of use, where a shape is another or a number is not finite; anything else is a
-        TypeError.
+        nothing of use, where one is anything else or a number is not finite.
         """
-        return partial(self._mover.inverse, self._model)
+        return self._single.inverse
 
     def gravity_torque(self, q: ArrayInput) -> FloatArray:
         """Give the torques that hold the arm at rest, shape (..., n).
@@ -162,6 +159,9 @@ class Dynamics:
             ValueError: If the last axis is not n long or a number is not finite.
         """
         n = self.arm.n
+        M = np.empty((n, n))
+        if self._single.mass_matrix(q, M):
+            return M
         shape, rows = self._rows(q=q)
         M = np.empty((len(rows[0]), n, n))
         self._mover.mass_matrix_batch(self._model, *rows, M)
@@ -181,6 +181,9 @@ class Dynamics:
             ValueError: As in `inverse`.
         """
         n = self.arm.n
+        C = np.empty((n, n))
+        if self._single.coriolis(q, qd, C):
+            return C
         shape, rows = self._rows(q=q, qd=qd)
         C = np.empty((len(rows[0]), n, n))
         self._mover.coriolis_batch(self._model, *rows, C)
@@ -214,6 +217,9 @@ class Dynamics:
         Raises:
             ValueError: As in `inverse`, or if a joint moves nothing that has an inertia.
         """
+        qdd = np.empty(self.arm.n)
+        if self._single.forward(q, qd, tau, qdd):
+            return qdd
         shape, rows = self._rows(q=q, qd=qd, tau=tau)
         qdd = np.empty(rows[0].shape)
         if not self._mover.forward_batch(self._model, *rows, qdd):

@@ -22,6 +22,7 @@ from splinearm.arrays import FloatArray
 from splinearm.compiled import fast_kernel
 
 from .forward_kernel import joint
+from .sine_kernel import sine_and_cosine
 
 BODY = 13
 """First column of a body; in the last row, of the gravity."""
@@ -47,7 +48,9 @@ def inverse_into(
     for k in range(n):
         if not abs(q[k]) + abs(qd[k]) + abs(qdd[k]) < math.inf:
             return False
-    newton_euler(A, A[n, BODY : BODY + 3], q, qd, qdd, tau)
+    F = np.empty((n, 8))
+    sines(A, q, F)
+    newton_euler(A, (A[n, BODY], A[n, BODY + 1], A[n, BODY + 2]), qd, qdd, tau, F)
     for k in range(n):
         sign = 1.0 if qd[k] > 0.0 else (-1.0 if qd[k] < 0.0 else 0.0)
         tau[k] += A[k, DRIVE] * qdd[k] + A[k, DRIVE + 1] * qd[k] + A[k, DRIVE + 2] * sign
@@ -81,6 +84,9 @@ def forward_into(
     n = A.shape[0] - 1
     if tau.shape[0] != n or qdd.shape[0] != n:
         return False
+    for k in range(n):
+        if not abs(tau[k]) < math.inf:
+            return False
     bias = np.empty(n)
     if not inverse_into(A, q, qd, np.zeros(n), bias):
         return False
@@ -107,13 +113,14 @@ def coriolis_into(A: FloatArray, q: FloatArray, qd: FloatArray, C: FloatArray) -
         return True
     # C(q, qd) qd is quadratic in qd with symmetric symbols, so that by polarisation
     # C(q, u) v = (h(u + v) - h(u - v)) / 4 with h(u) = C(q, u) u; v is one joint at a time
-    still, none = np.zeros(n), np.zeros(3)
+    still, none, F = np.zeros(n), (0.0, 0.0, 0.0), np.empty((n, 8))
     u, over, under = qd.copy(), np.empty(n), np.empty(n)
+    sines(A, q, F)
     for k in range(n):
         u[k] = qd[k] + largest
-        newton_euler(A, none, q, u, still, over)
+        newton_euler(A, none, u, still, over, F)
         u[k] = qd[k] - largest
-        newton_euler(A, none, q, u, still, under)
+        newton_euler(A, none, u, still, under, F)
         u[k] = qd[k]
         for j in range(n):
             C[j, k] = (over[j] - under[j]) / (4.0 * largest)
@@ -121,19 +128,28 @@ def coriolis_into(A: FloatArray, q: FloatArray, qd: FloatArray, C: FloatArray) -
 
 
 @fast_kernel
+def sines(A: FloatArray, q: FloatArray, S: FloatArray) -> None:
+    """Write sine and cosine of each joint, its position where it slides, into columns 0 and 1."""
+    for k in range(len(q)):
+        if A[k, 12] == 0.0:
+            S[k, 0], S[k, 1] = sine_and_cosine(q[k])
+        else:
+            S[k, 0], S[k, 1] = q[k], 0.0
+
+
+@fast_kernel
 def newton_euler(
     A: FloatArray,
-    g: FloatArray,
-    q: FloatArray,
+    g: tuple[float, float, float],
     qd: FloatArray,
     qdd: FloatArray,
     tau: FloatArray,
+    F: FloatArray,
 ) -> None:
-    """Write the torques of a motion without what the drives add."""
+    """Write the torques of a motion without what the drives add; F is what `sines` wrote."""
     # Luh, Walker and Paul, On-line computational scheme for mechanical manipulators, 1980, with
     # the wrench of each body at its frame's origin instead of its centre of mass
     n = A.shape[0] - 1
-    F = np.empty((n, 8))
     wx, wy, wz, bx, by, bz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     ax, ay, az = -g[0], -g[1], -g[2]
     for k in range(n):
@@ -145,15 +161,13 @@ def newton_euler(
         ax, ay, az = into(o, ax + sx + tx, ay + sy + ty, az + sz + tz)
         wx, wy, wz = into(o, wx, wy, wz)
         bx, by, bz = into(o, bx, by, bz)
-        v, vv = qd[k], qdd[k]
+        v, vv, s, c = qd[k], qdd[k], F[k, 0], F[k, 1]
         if o[12] == 0.0:
-            s, c = math.sin(q[k]), math.cos(q[k])
             ax, ay = c * ax + s * ay, c * ay - s * ax
             wx, wy = c * wx + s * wy, c * wy - s * wx
             bx, by = c * bx + s * by + wy * v, c * by - s * bx - wx * v
             wz, bz = wz + v, bz + vv
         else:
-            s, c = q[k], 0.0
             ax += (by + wx * wz) * s + 2.0 * wy * v
             ay += (wy * wz - bx) * s - 2.0 * wx * v
             az += vv - (wx * wx + wy * wy) * s
@@ -161,7 +175,6 @@ def newton_euler(
         ux, uy, uz = cross(wx, wy, wz, hx, hy, hz)
         sx, sy, sz = cross(bx, by, bz, hx, hy, hz)
         tx, ty, tz = cross(wx, wy, wz, ux, uy, uz)
-        F[k, 0], F[k, 1] = s, c
         F[k, 2], F[k, 3], F[k, 4] = m * ax + sx + tx, m * ay + sy + ty, m * az + sz + tz
         ux, uy, uz = about(d, wx, wy, wz)
         tx, ty, tz = cross(wx, wy, wz, ux, uy, uz)
@@ -190,11 +203,7 @@ def composite_bodies(A: FloatArray, q: FloatArray, M: FloatArray) -> None:
     n = A.shape[0] - 1
     S = np.empty((n, 2))
     B = A[:n, BODY:DRIVE].copy()
-    for k in range(n):
-        if A[k, 12] == 0.0:
-            S[k, 0], S[k, 1] = math.sin(q[k]), math.cos(q[k])
-        else:
-            S[k, 0], S[k, 1] = q[k], 0.0
+    sines(A, q, S)
     for k in range(n - 1, -1, -1):
         b = B[k]
         if A[k, 12] == 0.0:
@@ -214,19 +223,18 @@ def composite_bodies(A: FloatArray, q: FloatArray, M: FloatArray) -> None:
 def _add_to_parent(o: FloatArray, s: float, c: float, b: FloatArray, parent: FloatArray) -> None:
     """Add a composite body in its moved joint frame to that of its parent's."""
     px, py, pz = o[9], o[10], o[11]
-    R = np.empty((3, 3))
-    for r in range(3):
-        x, y, z = o[3 * r], o[3 * r + 1], o[3 * r + 2]
-        if o[12] == 0.0:
-            R[r, 0], R[r, 1], R[r, 2] = x * c + y * s, y * c - x * s, z
-        else:
-            R[r, 0], R[r, 1], R[r, 2] = x, y, z
     if o[12] != 0.0:
         px, py, pz = px + s * o[2], py + s * o[5], pz + s * o[8]
+        s, c = 0.0, 1.0
+    R = (
+        (o[0] * c + o[1] * s, o[1] * c - o[0] * s, o[2]),
+        (o[3] * c + o[4] * s, o[4] * c - o[3] * s, o[5]),
+        (o[6] * c + o[7] * s, o[7] * c - o[6] * s, o[8]),
+    )
     m = b[0]
-    hx = R[0, 0] * b[1] + R[0, 1] * b[2] + R[0, 2] * b[3]
-    hy = R[1, 0] * b[1] + R[1, 1] * b[2] + R[1, 2] * b[3]
-    hz = R[2, 0] * b[1] + R[2, 1] * b[2] + R[2, 2] * b[3]
+    hx = R[0][0] * b[1] + R[0][1] * b[2] + R[0][2] * b[3]
+    hy = R[1][0] * b[1] + R[1][1] * b[2] + R[1][2] * b[3]
+    hz = R[2][0] * b[1] + R[2][1] * b[2] + R[2][2] * b[3]
     parent[0] += m
     parent[1] += hx + m * px
     parent[2] += hy + m * py
@@ -236,9 +244,9 @@ def _add_to_parent(o: FloatArray, s: float, c: float, b: FloatArray, parent: Flo
     at = 4
     p, h = (px, py, pz), (hx, hy, hz)
     for r in range(3):
-        x, y, z = about(b, R[r, 0], R[r, 1], R[r, 2])
+        x, y, z = about(b, R[r][0], R[r][1], R[r][2])
         for t in range(r, 3):
-            turned = R[t, 0] * x + R[t, 1] * y + R[t, 2] * z
+            turned = R[t][0] * x + R[t][1] * y + R[t][2] * z
             moved = p[r] * h[t] + h[r] * p[t] + m * p[r] * p[t]
             parent[at] += turned - moved + (trace if r == t else 0.0)
             at += 1
@@ -347,15 +355,3 @@ def to_parent(
     )
     mx, my, mz = cross(o[9], o[10], o[11], fx, fy, fz)
     return fx, fy, fz, nx + mx, ny + my, nz + mz
-
-
-@fast_kernel
-def inverse_call(
-    A: FloatArray,
-    q: FloatArray,
-    qd: FloatArray,
-    qdd: FloatArray,
-    tau: FloatArray,
-) -> bool:
-    """Do as `inverse_into` does: the entry for calls from Python, of one signature."""
-    return inverse_into(A, q, qd, qdd, tau)

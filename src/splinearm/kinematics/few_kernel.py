@@ -11,12 +11,14 @@ from splinearm.arrays import FloatArray
 from splinearm.compiled import kernel
 
 from .hobby_kernel import level, pitched, pointed, whole
+from .reach_kernel import placed
 from .subproblem_kernel import product, wrap
 
 NOTHING = 0
 YAW = 1
 ROLL = 2
 YAW_AND_ROLL = 3
+ORIENTATION = 4
 
 
 @kernel
@@ -48,6 +50,8 @@ def solve(
         found = level(P, five, p, B[2, :3].copy(), tool, angles, work, tolerance)
     elif free == ROLL:
         found = pointed(P, p, B, tool, angles, work, tolerance)
+    elif free == ORIENTATION:
+        found = placed(P, five, p, tool, angles, work, tolerance)
     else:
         along = np.empty(3)
         for i in range(3):

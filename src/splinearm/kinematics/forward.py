@@ -8,13 +8,12 @@ bit by bit.
 """
 
 from collections.abc import Callable
-from functools import partial
 from types import ModuleType
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
-from splinearm.arrays import FloatArray
+from splinearm.arrays import ArrayInput, FloatArray
 
 from . import chain
 from .chain import Chain
@@ -26,30 +25,34 @@ HEAVY = 20_000
 class _Loaded:
     """The kernels that this process has loaded; None: not yet."""
 
-    single: "Single | None" = None
+    single: ModuleType | None = None
     batch: ModuleType | None = None
-
-
-class Single(NamedTuple):
-    """The entries of single calls; each answers whether it has, see `forward_kernel`."""
-
-    fk: Callable[[FloatArray, FloatArray, FloatArray], bool]
-    jacobian: Callable[[FloatArray, FloatArray, FloatArray], bool]
 
 
 class Bare(NamedTuple):
     """Forward kinematics of one arm with nothing around it, for the tightest loops.
 
     The functions take contiguous arrays of float64 and answer False, having written nothing of
-    use, where a shape is not as below or a joint position is not finite; anything else is a
-    TypeError.
+    use, where an argument is anything else or a joint position is not finite.
     """
 
-    fk: Callable[[FloatArray, FloatArray], bool]
+    numbers: FloatArray
+    """The arm, packed, shape (n + 1, 13)."""
+    fk: Callable[[ArrayInput, FloatArray], bool]
     """``fk(q, T)``: write T_base_tool, shape (4, 4), at joint positions, shape (n,)."""
-    jacobian: Callable[[FloatArray, FloatArray], bool]
+    jacobian: Callable[[ArrayInput, FloatArray], bool]
     """``jacobian(q, J)``: write the Jacobian in base, shape (6, n), at joint positions."""
 
+    def __reduce__(self) -> tuple[Callable[..., "Bare"], tuple[FloatArray]]:
+        return bare, (self.numbers,)
+
+
+def _not_loaded(_q: ArrayInput, _out: FloatArray) -> bool:
+    return False
+
+
+NOT_LOADED: Final = Bare(np.zeros((0, 13)), _not_loaded, _not_loaded)
+"""What stands for the kernels of an arm as long as they are not loaded."""
 
 LOADED = _Loaded()
 """What is loaded; the arm's methods look here at each call."""
@@ -57,28 +60,20 @@ LOADED = _Loaded()
 
 def load() -> None:
     """Load the kernels of single calls and of batches, compiling them if need be."""
-    load_single()
+    bare(np.zeros((2, 13)))
     load_batch()
 
 
-def load_single() -> Single:
-    """Load the entries of single calls and give them."""
-    if LOADED.single is None:
-        from splinearm.compiled import entry, inputs, outputs
-
-        from . import forward_kernel
-
-        LOADED.single = Single(
-            entry(forward_kernel.fk_call, *inputs(2, 1), *outputs(2)),
-            entry(forward_kernel.jacobian_call, *inputs(2, 1), *outputs(2)),
-        )
-    return LOADED.single
-
-
 def bare(O: FloatArray) -> Bare:
-    """Give the entries of single calls bound to one arm, loading them if need be."""
-    single = load_single()
-    return Bare(partial(single.fk, O), partial(single.jacobian, O))
+    """Give the kernels of single calls bound to one arm, loading them if need be."""
+    if len(O) == 0:
+        return NOT_LOADED
+    from splinearm.compiled import bind
+
+    from . import forward_kernel
+
+    LOADED.single = forward_kernel
+    return Bare(O, bind(forward_kernel.fk_call, O), bind(forward_kernel.jacobian_call, O))
 
 
 def load_batch() -> ModuleType:
@@ -95,16 +90,16 @@ def load_batch() -> ModuleType:
     return LOADED.batch
 
 
-def fk(model: Chain, O: FloatArray, q: FloatArray, out: FloatArray | None) -> FloatArray:
+def fk(
+    model: Chain, O: FloatArray, single: Bare, q: FloatArray, out: FloatArray | None
+) -> FloatArray:
     """Give T_base_tool, shape (..., 4, 4), at joint vectors that are checked, shape (..., n)."""
     shape = (*q.shape[:-1], 4, 4)
     rows = q.reshape(-1, q.shape[-1])
     if q.ndim == 1:
-        if out is None and LOADED.single is None:
+        if single is NOT_LOADED:
             return chain.fk(model, q)
-        T = answer(out, shape)
-        load_single().fk(O, np.ascontiguousarray(q), T)
-        return T
+        return _written(single.fk, chain.fk, model, q, answer(out, shape))
     if out is None and _light(rows):
         return chain.fk_batch(model, rows).reshape(shape)
     T = answer(out, shape)
@@ -127,22 +122,40 @@ def frames(model: Chain, O: FloatArray, q: FloatArray, out: FloatArray | None) -
     return Ts
 
 
-def jacobian(model: Chain, O: FloatArray, q: FloatArray, out: FloatArray | None) -> FloatArray:
+def jacobian(
+    model: Chain, O: FloatArray, single: Bare, q: FloatArray, out: FloatArray | None
+) -> FloatArray:
     """Give the Jacobian in base, shape (..., 6, n), at joint vectors, shape (..., n)."""
     n = q.shape[-1]
     shape = (*q.shape[:-1], 6, n)
     rows = q.reshape(-1, n)
     if q.ndim == 1:
-        if out is None and LOADED.single is None:
+        if single is NOT_LOADED:
             return chain.fk_and_jacobian(model, q)[1]
-        J = answer(out, shape)
-        load_single().jacobian(O, np.ascontiguousarray(q), J)
-        return J
+        return _written(single.jacobian, _plain_jacobian, model, q, answer(out, shape))
     if out is None and _light(rows):
         return chain.jacobian_batch(model, rows).reshape(shape)
     J = answer(out, shape)
     load_batch().jacobian_batch_into(O, np.ascontiguousarray(rows), J.reshape(-1, 6, n))
     return J
+
+
+def _written(
+    work: Callable[[ArrayInput, FloatArray], bool],
+    plain: Callable[[Chain, FloatArray], FloatArray],
+    model: Chain,
+    q: FloatArray,
+    out: FloatArray,
+) -> FloatArray:
+    """Write what a kernel finds at a joint vector that it did not take as it came."""
+    found = np.empty(out.shape)
+    taken = work(np.array(q, dtype=np.float64, order="C"), found)
+    out[...] = found if taken else plain(model, q)
+    return out
+
+
+def _plain_jacobian(model: Chain, q: FloatArray) -> FloatArray:
+    return chain.fk_and_jacobian(model, q)[1]
 
 
 def _light(rows: FloatArray) -> bool:

@@ -8,7 +8,7 @@ import math
 from typing import TypeAlias
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import fast_kernel
+from splinearm.compiled import MODEL, WRITE, answer, fast_kernel, matrix, vector
 
 from .sine_kernel import sine_and_cosine
 
@@ -160,13 +160,18 @@ def _row(o: tuple[float, ...], x: float, y: float, z: float) -> tuple[float, flo
     )
 
 
-@fast_kernel
-def fk_call(O: FloatArray, q: FloatArray, T: FloatArray) -> bool:
-    """Do as `fk_into` does: the entry for calls from Python, of one signature."""
-    return fk_into(O, q, T)
+def fk_call(model: int, arguments: int, count: int) -> int:
+    """Do as `fk_into` does with (q, T), for the arm it is bound to; see `compiled.bind`."""
+    given = model, arguments
+    return answer(
+        count == 2 and fk_into(matrix(given, MODEL), vector(given, 0), matrix(given, 1, WRITE))
+    )
 
 
-@fast_kernel
-def jacobian_call(O: FloatArray, q: FloatArray, J: FloatArray) -> bool:
-    """Do as `jacobian_into` does: the entry for calls from Python, of one signature."""
-    return jacobian_into(O, q, J)
+def jacobian_call(model: int, arguments: int, count: int) -> int:
+    """Do as `jacobian_into` does with (q, J), for the arm it is bound to."""
+    given = model, arguments
+    return answer(
+        count == 2
+        and jacobian_into(matrix(given, MODEL), vector(given, 0), matrix(given, 1, WRITE))
+    )

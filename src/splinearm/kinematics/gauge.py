@@ -86,6 +86,22 @@ def lock(chain: Chain, joint: int, q: float) -> Chain:
     )
 
 
+def without(chain: Chain, joint: int, q: float) -> Chain:
+    """Give the chain without a joint: cut off at either end, else locked at q."""
+    n = len(chain.turns)
+    if 0 < joint < n - 1:
+        return lock(chain, joint, q)
+    kept = slice(1, None) if joint == 0 else slice(0, n - 1)
+    fixed = chain.fixed[1:] if joint == 0 else chain.fixed[:-1]
+    return Chain(
+        fixed=fixed,
+        joint_link=chain.joint_link[kept],
+        turns=chain.turns[kept],
+        slides=chain.slides[kept],
+        any_slide=bool(chain.slides[kept].any()),
+    )
+
+
 def find(chain: Chain) -> Gauge:
     """Give the simplest frames of a chain.
 
@@ -196,14 +212,21 @@ def _sine(a: FloatArray, b: FloatArray) -> float:
 def forward(gauge: Gauge, q: FloatArray) -> FloatArray:
     """Give T_base_tool, shape (4, 4), from the rows, at one joint vector (turning joints)."""
     T = gauge.first
-    for (a, d, ca, sa), theta in zip(gauge.rows, gauge.offset + gauge.sign * q, strict=True):
-        c, s = np.cos(theta), np.sin(theta)
-        # standard DH, Siciliano et al. 2009, eq. 2.52
-        T = T @ np.array(
-            ((c, -s * ca, s * sa, a * c), (s, c * ca, -c * sa, a * s), (0, sa, ca, d), (0, 0, 0, 1))
-        )
+    for k, angle in enumerate(q):
+        T = T @ step(gauge, k, float(angle))
     T_base_tool: FloatArray = T @ gauge.last
     return T_base_tool
+
+
+def step(gauge: Gauge, k: int, q: float) -> FloatArray:
+    """Give the transform of row k, shape (4, 4), its joint (a turning one) at q."""
+    a, d, ca, sa = gauge.rows[k]
+    theta = gauge.offset[k] + gauge.sign[k] * q
+    c, s = np.cos(theta), np.sin(theta)
+    # standard DH, Siciliano et al. 2009, eq. 2.52
+    return np.array(
+        ((c, -s * ca, s * sa, a * c), (s, c * ca, -c * sa, a * s), (0, sa, ca, d), (0, 0, 0, 1))
+    )
 
 
 def _check(chain: Chain, found: Gauge) -> None:

@@ -19,7 +19,8 @@ _OBLIQUE = 1e-9
 
 
 @kernel
-def _size(P: FloatArray) -> float:
+def size_of(P: FloatArray) -> float:
+    """Give what lengths of the arm are small against."""
     total = 0.0
     for k in range(4):
         total += abs(P[k, 0]) + abs(P[k, 1])
@@ -27,7 +28,7 @@ def _size(P: FloatArray) -> float:
 
 
 @kernel
-def _planar(
+def planar(
     P: FloatArray,
     c0: float,
     s0: float,
@@ -64,7 +65,7 @@ def _planar(
 
 
 @kernel
-def _ahead(
+def ahead(
     P: FloatArray, px: float, py: float, pz: float, bz: float, size: float, seed: float
 ) -> tuple[int, float, float, float, float]:
     """Solve joint 0 for a point at the height bz over the plane of the parallel joints."""
@@ -74,7 +75,7 @@ def _ahead(
 
 
 @kernel
-def _point(
+def point_of(
     P: FloatArray, five: bool, c4: float, s4: float, l0: float, l1: float, l2: float
 ) -> tuple[float, float, float]:
     """Give a point l of the last frame in the frame that the turn f leads to."""
@@ -90,9 +91,9 @@ def whole(
     P: FloatArray, five: bool, T: FloatArray, seed: FloatArray, out: FloatArray, tolerance: float
 ) -> int:
     """Give the branches that meet the whole pose; it exists for few."""
-    size = _size(P)
-    bx, by, bz = _point(P, five, 1.0, 0.0, 0.0, 0.0, 0.0)
-    n0, c0, s0, c0b, s0b = _ahead(P, T[0, 3], T[1, 3], T[2, 3], bz, size, seed[0])
+    size = size_of(P)
+    bx, by, bz = point_of(P, five, 1.0, 0.0, 0.0, 0.0, 0.0)
+    n0, c0, s0, c0b, s0b = ahead(P, T[0, 3], T[1, 3], T[2, 3], bz, size, seed[0])
     square = T[0, 3] * T[0, 3] + T[1, 3] * T[1, 3]
     if n0 and P[0, 3] * P[0, 3] * square <= 1e-16 * size * size:
         # the point is on the first axis: the orientation alone says where the arm looks
@@ -143,7 +144,7 @@ def _with_first(
     if miss > tolerance:
         return found
     px, py, pz = T[0, 3], T[1, 3], T[2, 3]
-    return _planar(
+    return planar(
         P, c0, s0, cf, sf, c4, s4, px, py, pz, bx, by, bz, seed, out, found, code, tolerance
     )
 
@@ -163,7 +164,7 @@ def level(
 
     That is the pose but for a turn about the first axis.
     """
-    size = _size(P)
+    size = size_of(P)
     ca0, sa0 = P[0, 2], P[0, 3]
     ca3, sa3 = (P[3, 2], P[3, 3]) if five else (1.0, 0.0)
     across = math.sqrt(m[0] * m[0] + m[1] * m[1])
@@ -218,12 +219,12 @@ def _anywhere(
     tolerance: float,
 ) -> int:
     """Add the branches that meet the point with the turn f and joint 4 given."""
-    bx, by, bz = _point(P, five, c4, s4, tool[0, 3], tool[1, 3], tool[2, 3])
-    n0, c0, s0, c0b, s0b = _ahead(P, p[0], p[1], p[2], bz, size, seed[0])
+    bx, by, bz = point_of(P, five, c4, s4, tool[0, 3], tool[1, 3], tool[2, 3])
+    n0, c0, s0, c0b, s0b = ahead(P, p[0], p[1], p[2], bz, size, seed[0])
     for j in range(n0):
         if j:
             c0, s0 = c0b, s0b
-        found = _planar(
+        found = planar(
             P, c0, s0, cf, sf, c4, s4, p[0], p[1], p[2], bx, by, bz, seed, out, found,
             4.0 * j + i, tolerance,
         )  # fmt: skip
@@ -246,7 +247,7 @@ def pitched(
 
     ``axis`` is given in the last frame; joint 4 keeps its seed.
     """
-    size = _size(P)
+    size = size_of(P)
     c4, s4 = (math.cos(seed[4]), math.sin(seed[4])) if five else (1.0, 0.0)
     x, y, z = axis[0], axis[1], axis[2]
     if five:
@@ -278,7 +279,7 @@ def pointed(
     ``T`` has that direction as its third column. Where the tool point is beside the last axis,
     joint 4 turns it to where it shall be; else joint 4 keeps its seed.
     """
-    size = _size(P)
+    size = size_of(P)
     ca0, sa0, ca3, sa3 = P[0, 2], P[0, 3], P[3, 2], P[3, 3]
     nx, ny, nz = T[0, 2], T[1, 2], T[2, 2]
     lx, ly = tool[0, 3], tool[1, 3]
@@ -288,8 +289,8 @@ def pointed(
     c4, s4 = math.cos(seed[4]), math.sin(seed[4])
     fixed = beside <= _OBLIQUE * size or upright <= _STRAIGHT
     if fixed:
-        _, _, bz = _point(P, True, c4, s4, lx, ly, tool[2, 3])
-        n0, c0, s0, c0b, s0b = _ahead(P, p[0], p[1], p[2], bz, size, seed[0])
+        _, _, bz = point_of(P, True, c4, s4, lx, ly, tool[2, 3])
+        n0, c0, s0, c0b, s0b = ahead(P, p[0], p[1], p[2], bz, size, seed[0])
         if n0 and p[0] * p[0] + p[1] * p[1] <= 1e-16 * size * size:
             n0, c0, s0, c0b, s0b = circle(-sa0 * ny, sa0 * nx, ca3 - ca0 * nz, 1.0, seed[0])
     else:
@@ -312,8 +313,8 @@ def pointed(
         for j in range(n4):
             if j:
                 c, s = c4b, s4b
-            bx, by, bz = _point(P, True, c, s, lx, ly, tool[2, 3])
-            found = _planar(
+            bx, by, bz = point_of(P, True, c, s, lx, ly, tool[2, 3])
+            found = planar(
                 P, c0, s0, cf, sf, c, s, p[0], p[1], p[2], bx, by, bz, seed, out, found,
                 4.0 * i + j, tolerance,
             )  # fmt: skip

@@ -1,6 +1,7 @@
 """Inverse kinematics of any arm, by descent from many starts, within the joint limits."""
 
 from collections.abc import Iterator
+from functools import lru_cache
 from math import isfinite
 
 import numpy as np
@@ -12,8 +13,8 @@ from splinearm.units import DEG, MM
 from . import solver, turn, verdict
 from .answer import IKResult as IKResult
 from .answer import IKStatus as IKStatus
+from .answer import confirmed
 from .arm import Arm
-from .chain import Chain
 from .descent import Goal, Rest, misses
 from .pose import Pose
 from .start import near_and_far
@@ -21,8 +22,8 @@ from .start import near_and_far
 RESTARTS = 200
 """Starts that a search tries when the first leads nowhere."""
 
-HOPELESS = 4
-"""Starts that are tried for the nearest answer to a position farther off than the arm is long."""
+_AS_IT_IS = np.array((1.0, 0.0, 0.0, 0.0))
+"""What stands for an orientation where any will do."""
 
 
 def search(
@@ -58,29 +59,62 @@ def search(
     Raises:
         ValueError: If an argument is not of its shape or not finite, or without seed and restarts.
     """
-    _check(position_tolerance, orientation_tolerance, restarts, seeded=q_seed is not None)
+    seeded, tolerances = q_seed is not None, (position_tolerance, orientation_tolerance)
+    if solver.kernels() is None:
+        _check(*tolerances, restarts, seeded=seeded)
+        return _search_on_numpy(arm, goal_of(arm, target, *tolerances), q_seed, restarts)
+    inquiry = _inquiry(arm, *tolerances, restarts, seeded, isinstance(target, Pose))
+    p, quat = (target.p, target.quat) if isinstance(target, Pose) else (target, _AS_IT_IS)
+    near = inquiry.middle if q_seed is None else q_seed
+    done, q, said, rests = inquiry.put(p, quat, near)
+    if not done:
+        # not as the kernel takes it: converted, or refused
+        near = frozen_array(near, (arm.n,), "q_seed")
+        p, quat = frozen_array(p, (3,), "target"), frozen_array(quat, (4,), "quat")
+        _, q, said, rests = inquiry.put(p, quat, near)
+    met, position_error, orientation_error, steps, count = said.tolist()
+    if met:
+        return confirmed(q, position_error, orientation_error, int(steps))
+    goal = goal_of(arm, target, *tolerances)
+    return _missed(arm, goal, _rests(rests[: int(count)]), np.asarray(near), may_jump=restarts > 0)
+
+
+@lru_cache(maxsize=64)
+def _inquiry(
+    arm: Arm,
+    position_tolerance: float,
+    orientation_tolerance: float,
+    restarts: int,
+    seeded: bool,  # noqa: FBT001 - named at the call
+    posed: bool,  # noqa: FBT001
+) -> solver.Inquiry:
+    """Check all that stays the same from target to target, once, and give the search."""
+    tolerances = position_tolerance, orientation_tolerance
+    _check(*tolerances, restarts, seeded=seeded)
+    return solver.inquiry(arm, tolerances, restarts, seeded=seeded, posed=posed)
+
+
+def _search_on_numpy(arm: Arm, goal: Goal, q_seed: ArrayInput | None, restarts: int) -> IKResult:
+    """Search as long as the kernels are not worth loading."""
     seed = None if q_seed is None else frozen_array(q_seed, (arm.n,), "q_seed")
-    goal = goal_of(arm, target, position_tolerance, orientation_tolerance)
-    model = solver.model_of(arm, restarts)
-    near = model.middle if seed is None else seed
+    near = solver.model_of(arm).middle if seed is None else seed
     if restarts and verdict.is_out_of_reach(arm, goal):
-        restarts = min(restarts, HOPELESS)
-    kernel = solver.kernels()
+        restarts = min(restarts, solver.HOPELESS)
     rests: list[Rest] = []
-    if kernel is None:
-        for rest in _descents(arm.packed, goal, seed, restarts):
-            rests.append(rest)
-            q = _with_turns(arm, goal, rest.q, near)
-            result = _judged(arm, goal, q, sum(rest.iterations for rest in rests))
-            if result is not None:
-                return result
-    else:
-        numbers = solver.goal_numbers(goal)
-        met, rows, steps = solver.search(kernel, model, numbers, seed, near, restarts)
-        if met:
-            return _reached(rows[-1], steps)
-        rests = _rests(rows)
-    found = verdict.why_not(arm, goal, rests, may_jump=restarts > 0)
+    for rest in _descents(arm, goal, seed, restarts):
+        q = _with_turns(arm, goal, rest.q, near)
+        rests.append(rest._replace(q=q))
+        result = _judged(arm, goal, q, sum(each.iterations for each in rests))
+        if result is not None:
+            return result
+    return _missed(arm, goal, rests, near, may_jump=restarts > 0)
+
+
+def _missed(
+    arm: Arm, goal: Goal, rests: list[Rest], near: FloatArray, *, may_jump: bool
+) -> IKResult:
+    """Give the best answer to a goal that no descent met, and why."""
+    found = verdict.why_not(arm, goal, rests, may_jump=may_jump)
     q = _with_turns(arm, goal, found.rest.q, near)
     iterations = sum(rest.iterations for rest in rests)
     return _judged(arm, goal, q, iterations) or IKResult(
@@ -183,20 +217,6 @@ def _check(
     check_tolerances(position_tolerance, orientation_tolerance)
 
 
-def _reached(row: FloatArray, steps: int) -> IKResult:
-    """Give the result of an answer that the kernel has found and confirmed."""
-    n = len(row) - 5
-    q = row[:n].copy()
-    q.flags.writeable = False
-    return IKResult(
-        q=q,
-        position_error=float(row[n + 1]),
-        orientation_error=float(row[n + 2]),
-        iterations=steps,
-        status=IKStatus.REACHED,
-    )
-
-
 def _rests(rows: FloatArray) -> list[Rest]:
     """Give where the kernel's descents ended."""
     n = rows.shape[1] - 5
@@ -213,8 +233,9 @@ def _rests(rows: FloatArray) -> list[Rest]:
     ]
 
 
-def _descents(chain: Chain, goal: Goal, seed: FloatArray | None, restarts: int) -> Iterator[Rest]:
+def _descents(arm: Arm, goal: Goal, seed: FloatArray | None, restarts: int) -> Iterator[Rest]:
     """Give where descents end: from the seed, from the starts, and from the best of these on."""
+    chain = arm.packed
     if seed is not None:
         q = np.clip(seed, goal.lower, goal.upper)
         yield solver.descend(
@@ -222,10 +243,10 @@ def _descents(chain: Chain, goal: Goal, seed: FloatArray | None, restarts: int) 
         )
     if not restarts:
         return
-    unfinished = []
+    unfinished, loose = [], solver.loosened(arm, goal)
     for q in near_and_far(chain, goal, restarts):
         rest = solver.descend(
-            chain, goal, q, max_step=solver.STEP, max_iterations=solver.FIRST_ITERATIONS
+            chain, loose, q, max_step=solver.STEP, max_iterations=solver.FIRST_ITERATIONS
         )
         yield rest
         if not rest.at_rest:
@@ -233,7 +254,7 @@ def _descents(chain: Chain, goal: Goal, seed: FloatArray | None, restarts: int) 
     unfinished.sort(key=lambda rest: rest.cost)
     for rest in unfinished[: solver.CONTINUED]:
         yield solver.descend(
-            chain, goal, rest.q, max_step=solver.STEP, max_iterations=solver.LAST_ITERATIONS
+            chain, loose, rest.q, max_step=solver.STEP, max_iterations=solver.LAST_ITERATIONS
         )
 
 

@@ -9,8 +9,10 @@ from splinearm.arrays import FloatArray, frozen_array
 
 from . import chain, solver
 from .arm import Arm
+from .differential import hessian_of
 
-_DIFFERENCE = 1e-5
+_GONE = 1e-12
+"""Singular values below this count as this."""
 
 
 class Objective(Protocol):
@@ -85,15 +87,19 @@ class Manipulability:
         model = solver.model_of(arm)
         J = chain.fk_and_jacobian(arm.packed, q)[1] * model.weights * model.bounds[2]
         values = np.linalg.svd(J[:3] if self.position_only else J, compute_uv=False)
-        return -float(np.log(np.maximum(values, 1e-12)).sum())
+        return -float(np.log(np.maximum(values, _GONE)).sum())
 
     def gradient(self, arm: Arm, q: FloatArray) -> FloatArray:
-        """Give its slopes, shape (n,), from central differences."""
-        slopes = np.empty(len(q))
-        for k, unit in enumerate(solver.model_of(arm).bounds[2]):
-            off = np.zeros(len(q))
-            off[k] = _DIFFERENCE * unit
-            slopes[k] = (self.cost(arm, q + off) - self.cost(arm, q - off)) / (2.0 * off[k])
+        """Give its slopes, shape (n,)."""
+        # the slope of a singular value is u' dJ v, and of the sum of logarithms that over the value
+        model = solver.model_of(arm)
+        units, rows = model.bounds[2], slice(0, 3 if self.position_only else 6)
+        weights = model.weights[rows]
+        J = chain.fk_and_jacobian(arm.packed, q)[1]
+        U, values, Vt = np.linalg.svd(J[rows] * weights * units, full_matrices=False)
+        changes = hessian_of(J)[:, rows] * weights * units
+        parts = np.einsum("rk,jrc,kc->jk", U, changes, Vt)
+        slopes: FloatArray = -(parts / np.maximum(values, _GONE)).sum(axis=1)
         return slopes
 
 

@@ -56,7 +56,7 @@ def planar_three(
 
 
 @kernel
-def _turn_to_reach(
+def turn_to_reach(
     vx: float, vy: float, bx: float, by: float, a1: float, a2: float, seed: float
 ) -> float:
     """Give the turn nearest to ``seed`` that leaves the planar arm (vx, vy) - Rz b in reach."""
@@ -183,7 +183,7 @@ def _last_free(
     cf = e11 * q11 + e21 * q21 + e12 * q12 + e22 * q22
     sf = e11 * q21 - e21 * q11 + e12 * q22 - e22 * q12
     start = math.atan2(sf, cf)
-    f = _turn_to_reach(vx, vy, bx, by, a1, a2, start)
+    f = turn_to_reach(vx, vy, bx, by, a1, a2, start)
     # the turn of the last joint that leaves f: with or against it, as axis 5 lies
     cf, sf = math.cos(f), math.sin(f)
     k11, k12 = cf * q11 + sf * q21, cf * q12 + sf * q22

@@ -6,6 +6,7 @@ quartic on the unit circle of the complex plane.
 
 import cmath
 import math
+from typing import TypeAlias
 
 import numpy as np
 
@@ -14,8 +15,11 @@ from splinearm.compiled import kernel
 
 from .subproblem_kernel import turn
 
+ComplexArray: TypeAlias = np.ndarray[tuple[int, ...], np.dtype[np.complex128]]
+
 _OFF_CIRCLE = 1e-4
 _STEPS = 8
+_TURNS = 60
 _SAME = 1e-7
 
 
@@ -38,14 +42,9 @@ def trig_roots(f0: float, a1: float, b1: float, a2: float, b2: float, out: Float
         start += 1
     if start == 2:
         return 0
-    companion = np.zeros((4 - 2 * start, 4 - 2 * start), dtype=np.complex128)
-    degree = 4 - 2 * start
-    for k in range(degree):
-        companion[0, k] = -poly[start + 1 + k] / poly[start]
-        if k:
-            companion[k, k - 1] = 1.0
-    found = 0
-    for z in np.linalg.eigvals(companion):
+    roots, found = np.empty(4, dtype=np.complex128), 0
+    for i in range(_roots(poly, start, roots)):
+        z = roots[i]
         if abs(abs(z) - 1.0) > _OFF_CIRCLE:
             continue
         x = cmath.phase(z)
@@ -65,6 +64,41 @@ def trig_roots(f0: float, a1: float, b1: float, a2: float, b2: float, out: Float
             out[found] = x
             found += 1
     return found
+
+
+@kernel
+def _roots(poly: ComplexArray, start: int, roots: ComplexArray) -> int:
+    """Give all roots of a complex polynomial at once, its powers falling; and their number.
+
+    E. Durand, 1960, and I. Kerner, 1966, with O. Aberth's step, 1973.
+    """
+    degree = 4 - 2 * start
+    for i in range(degree):
+        # on no symmetry of roots that lie on the circle or in pairs across it
+        roots[i] = 1.1 * cmath.exp(complex(0.0, 2.0 * math.pi * i / degree + 0.4))
+    for _ in range(_TURNS):
+        most = 0.0
+        for i in range(degree):
+            z = roots[i]
+            value, slope = poly[start], 0.0 * poly[start]
+            for k in range(start + 1, start + degree + 1):
+                slope = slope * z + value
+                value = value * z + poly[k]
+            if value == 0.0:
+                continue
+            others = 0.0 * value
+            for j in range(degree):
+                if j != i and roots[j] != z:
+                    others += 1.0 / (z - roots[j])
+            bottom = slope - value * others
+            if bottom == 0.0:
+                continue
+            step = value / bottom
+            roots[i] = z - step
+            most = max(most, abs(step) / (1.0 + abs(z)))
+        if most < 1e-15:
+            break
+    return degree
 
 
 @kernel

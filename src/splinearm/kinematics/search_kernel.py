@@ -1,19 +1,21 @@
 """Search for joint positions from many starts, compiled; the order of starts is that of ``start``.
 
-The limits of an arm are one array B, shape (3, n): lower, upper, unit of each joint. Its starts are
+The limits of an arm are one array B, shape (5, n): lower, upper and unit of each joint, and lower
+and upper where joints that have room for a whole turn count as having no limits. Its starts are
 an array (count, n), their tools an array (12, count): positions and orientations, row-major.
 """
 
-from math import ceil, pi
+from math import ceil, pi, sqrt
 
 import numpy as np
 import numpy.typing as npt
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import kernel
+from splinearm.compiled import MODEL, WRITE, answer, fast_kernel, kernel, matrix, vector
 
-from .descent_kernel import Workspace, look
+from .descent_kernel import Workspace, cut, look
 from .descent_kernel import descend as descend
+from .descent_kernel import room as room
 from .descent_kernel import workspace as workspace
 
 IntArray = npt.NDArray[np.int64]
@@ -23,31 +25,57 @@ _ROUNDING = 1e-12
 # one row of how a search goes about it
 SEED_STEP, SEED_ITERATIONS, STEP, FIRST_ITERATIONS, LAST_ITERATIONS, CONTINUED, NEAREST = range(7)
 
+# one row of what a single search is asked beside its target; SHOULDER stands for three numbers
+PLACE, TURN, POSITION_TOLERANCE, ORIENTATION_TOLERANCE, RESTARTS, SEEDED, HOPELESS, REACH = range(8)
+SHOULDER = 8
 
-@kernel
+STRIPES = 32
+"""In how many parts the starts are kept that are left; the nearest is looked for in one of them."""
+
+
+@fast_kernel
 def distances(G: FloatArray, tools: FloatArray, found: FloatArray) -> None:
     """Write how far the tools of the starts, (12, count), are from the goal."""
-    place, turn = G[12] * G[12], 0.5 * G[13] * G[13]
-    count = len(found)
-    for i in range(count):
-        dx, dy, dz = tools[0, i] - G[0], tools[1, i] - G[1], tools[2, i] - G[2]
-        found[i] = place * (dx * dx + dy * dy + dz * dz)
-    if turn != 0.0:
-        for r in range(3, 12):
-            wanted = G[r]
-            for i in range(count):
-                d = tools[r, i] - wanted
-                found[i] += turn * d * d
+    place, turn = G[12] * G[12], G[13] * G[13]
+    px, py, pz = G[0], G[1], G[2]
+    a, b, c, d, e, f, g, h, k = G[3], G[4], G[5], G[6], G[7], G[8], G[9], G[10], G[11]
+    for i in range(len(found)):
+        dx, dy, dz = tools[0, i] - px, tools[1, i] - py, tools[2, i] - pz
+        # |R - R'|^2 = 6 - 2 R:R'
+        alike = (
+            (a * tools[3, i] + b * tools[4, i] + c * tools[5, i])
+            + (d * tools[6, i] + e * tools[7, i] + f * tools[8, i])
+            + (g * tools[9, i] + h * tools[10, i] + k * tools[11, i])
+        )
+        found[i] = place * (dx * dx + dy * dy + dz * dz) + turn * (3.0 - alike)
 
 
 @kernel
-def _pop(left: FloatArray) -> int:
+def _least(left: FloatArray, least: FloatArray) -> None:
+    """Write the least of each stripe of numbers: every so many-th one."""
+    stripes = len(least)
+    least[:] = np.inf
+    for begin in range(0, len(left), stripes):
+        for j in range(min(stripes, len(left) - begin)):
+            least[j] = min(least[j], left[begin + j])
+
+
+@kernel
+def _pop(left: FloatArray, least: FloatArray) -> int:
     """Give which start is the nearest of those left, and take it away."""
-    best = 0
-    for i in range(1, len(left)):
+    stripe = 0
+    for j in range(1, len(least)):
+        if least[j] < least[stripe]:
+            stripe = j
+    best, rest = stripe, np.inf
+    for i in range(stripe, len(left), len(least)):
         if left[i] < left[best]:
+            rest = left[best]
             best = i
+        elif i != best and left[i] < rest:
+            rest = left[i]
     left[best] = np.inf
+    least[stripe] = rest
     return best
 
 
@@ -102,6 +130,7 @@ def search(
     restarts: int,
     rests: FloatArray,
     left: FloatArray,
+    least: FloatArray,
     work: Workspace,
 ) -> tuple[bool, int, int]:
     """Search from the seed, then from the starts, then on from the best of these.
@@ -119,19 +148,21 @@ def search(
         rests: Where the descents ended: q, cost, position error, orientation error, steps, at
             rest; shape (count, n + 5), written over.
         left: Room for a number a start, written over.
+        least: Room for a number a stripe of starts, written over.
         work: A workspace, written over.
 
     Returns:
         Whether the last rest is the answer, how many rests there are, and all their steps.
     """
     n = B.shape[1]
-    lower, upper, units = B[0], B[1], B[2]
+    units = B[2]
     near = seed[1]
     count, steps = 0, 0
     first = seed[0, 0] == seed[0, 0]
     total, nearest, stride = restarts, 0, 1
     if restarts > 0:
         distances(G, tools, left)
+        _least(left, least)
         nearest = int(how[NEAREST])
         stride = max(1, (len(left) - nearest) // max(1, restarts - nearest))
         total = min(restarts, nearest + (len(left) - nearest + stride - 1) // stride)
@@ -140,15 +171,17 @@ def search(
         q = row[:n]
         if trial < 0:
             for k in range(n):
-                q[k] = min(max(seed[0, k], lower[k]), upper[k])
+                q[k] = min(max(seed[0, k], B[0, k]), B[1, k])
             step, most = how[SEED_STEP], int(how[SEED_ITERATIONS])
+            lower, upper = B[0], B[1]
         else:
-            start = _pop(left)
+            start = _pop(left, least)
             if trial > nearest:
                 for _ in range(stride - 1):
-                    start = _pop(left)
+                    start = _pop(left, least)
             q[:] = starts[start]
             step, most = how[STEP], int(how[FIRST_ITERATIONS])
+            lower, upper = B[3], B[4]
         row[n], row[n + 1], row[n + 2], taken, at_rest = descend(
             O, lower, upper, units, G, q, step, most, work
         )
@@ -171,7 +204,7 @@ def search(
         row = rests[count]
         row[:n] = rests[best, :n]
         row[n], row[n + 1], row[n + 2], taken, at_rest = descend(
-            O, lower, upper, units, G, row[:n], how[STEP], int(how[LAST_ITERATIONS]), work
+            O, B[3], B[4], units, G, row[:n], how[STEP], int(how[LAST_ITERATIONS]), work
         )
         row[n + 3], row[n + 4] = taken, 1.0 if at_rest else 0.0
         steps += taken
@@ -185,18 +218,97 @@ def search(
 def search_alone(
     O: FloatArray,
     B: FloatArray,
-    G: FloatArray,
+    p: FloatArray,
+    quat: FloatArray,
+    q_seed: FloatArray,
+    terms: FloatArray,
     starts: FloatArray,
     tools: FloatArray,
-    seed: FloatArray,
     how: FloatArray,
-    restarts: int,
     rests: FloatArray,
-) -> tuple[bool, int, int]:
-    """Search for one goal, with room of its own."""
-    work = workspace(B.shape[1])
-    left = np.empty(len(starts))
-    return search(O, B, G, starts, tools, seed, how, restarts, rests, left, work)
+    scratch: FloatArray,
+    q: FloatArray,
+    said: FloatArray,
+) -> bool:
+    """Search for one goal as it comes; False where an argument is not as wanted.
+
+    Args:
+        O: The arm, packed.
+        B: Its limits and units.
+        p: Where the tool shall be, (3,).
+        quat: How it shall be turned, w x y z, (4,).
+        q_seed: Where to start, (n,).
+        terms: What stands in ``solver.Terms``.
+        starts: Where to start, (count, n).
+        tools: Their tools, (12, count).
+        how: Step sizes and numbers of steps.
+        rests: As in ``search``, (restarts + CONTINUED + 2, n + 5).
+        scratch: Room, as many numbers as ``solver`` says; written over.
+        q: The answer if there is one, (n,).
+        said: Whether there is, its position and orientation error, all steps, and how many rests.
+    """
+    n, count = O.shape[0] - 1, len(starts)
+    if len(p) != 3 or len(quat) != 4 or len(q_seed) != n:
+        return False
+    restarts = int(terms[RESTARTS])
+    seeded = terms[SEEDED] != 0.0
+    G = scratch[:16]
+    for i in range(3):
+        G[i] = p[i]
+    if not abs(G[0]) + abs(G[1]) + abs(G[2]) < np.inf:
+        return False
+    turn = terms[TURN]
+    w, x, y, z = quat[0], quat[1], quat[2], quat[3]
+    G[3], G[4], G[5] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
+    G[6], G[7], G[8] = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
+    G[9], G[10], G[11] = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
+    G[12], G[13] = terms[PLACE], turn
+    G[14], G[15] = terms[POSITION_TOLERANCE], terms[ORIENTATION_TOLERANCE]
+    dx, dy, dz = G[0] - terms[SHOULDER], G[1] - terms[SHOULDER + 1], G[2] - terms[SHOULDER + 2]
+    if sqrt(dx * dx + dy * dy + dz * dz) > terms[REACH] + G[14]:
+        restarts = min(restarts, int(terms[HOPELESS]))
+    seed = scratch[16 : 16 + 2 * n].reshape((2, n))
+    for k in range(n):
+        if seeded and not abs(q_seed[k]) < np.inf:
+            return False
+        seed[0, k] = q_seed[k] if seeded else np.nan
+        seed[1, k] = q_seed[k]
+    at = 16 + 2 * n
+    left, least = scratch[at : at + count], scratch[at + count : at + count + STRIPES]
+    work = cut(scratch[at + count + STRIPES :], n)
+    met, tried, steps = search(
+        O, B, G, starts, tools, seed, how, restarts, rests, left, least, work
+    )
+    said[0], said[3], said[4] = met, steps, tried
+    if met:
+        row = rests[tried - 1]
+        for k in range(n):
+            q[k] = row[k]
+        said[1], said[2] = row[n + 1], row[n + 2]
+    return True
+
+
+def search_call(model: int, arguments: int, count: int) -> int:
+    """Do as `search_alone` does, for the arm it is bound to; see `compiled.bind`."""
+    given = model, arguments
+    return answer(
+        count == 12
+        and search_alone(
+            matrix(given, MODEL),
+            matrix(given, 0),
+            vector(given, 1),
+            vector(given, 2),
+            vector(given, 3),
+            vector(given, 4),
+            matrix(given, 5),
+            matrix(given, 6),
+            vector(given, 7),
+            matrix(given, 8, WRITE),
+            vector(given, 9, WRITE),
+            vector(given, 10, WRITE),
+            vector(given, 11, WRITE),
+        )
+    )
 
 
 @kernel
@@ -218,12 +330,12 @@ def search_batch(
     """
     n = B.shape[1]
     work = workspace(n)
-    left = np.empty(len(starts))
+    left, least = np.empty(len(starts)), np.empty(STRIPES)
     rests = np.empty((2 + restarts.max() + int(how[CONTINUED]), n + 5))
     for i in range(len(goals)):
         seed = seeds[i] if len(seeds) > 1 else seeds[0]
         met, count, steps = search(
-            O, B, goals[i], starts, tools, seed, how, restarts[i], rests, left, work
+            O, B, goals[i], starts, tools, seed, how, restarts[i], rests, left, least, work
         )
         answers[i, :n] = np.nan
         if met:

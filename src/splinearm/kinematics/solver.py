@@ -8,6 +8,7 @@ the kernels at once; ``prepare`` loads them at a moment of the caller's choosing
 """
 
 import sys
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
@@ -15,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from splinearm.arrays import FloatArray
+from splinearm.arrays import ArrayInput, FloatArray
 from splinearm.joints import JointKind
 
 from . import descent, start, turn
@@ -36,11 +37,14 @@ FIRST_ITERATIONS, STEP = 12, 1.0
 """The same of a descent from a start ..."""
 CONTINUED, LAST_ITERATIONS = 128, 250
 """... and how many of these are continued if none arrives, and for how many steps."""
+HOPELESS = 4
+"""Starts that are tried for the nearest answer to a position farther off than the arm is long."""
 
 _HOW = np.array(
     (SEED_STEP, SEED_ITERATIONS, STEP, FIRST_ITERATIONS, LAST_ITERATIONS, CONTINUED, start.NEAREST)
 )
 _LENGTH_SHARE = 0.2
+_TURN = 2.0 * np.pi - 1e-12
 _KERNELS = f"{__package__}.search_kernel"
 
 
@@ -58,7 +62,8 @@ class Model(NamedTuple):
     packed: FloatArray
     """The arm as kernels take it, shape (n + 1, 13)."""
     bounds: FloatArray
-    """Lower limits, upper limits and units of the joints, shape (3, n)."""
+    """Lower limits, upper limits and units of the joints, and the limits of descents that may end
+    whole turns away: none where a joint has room for a whole turn; shape (5, n)."""
     length: float
     """The length that counts as a radian, m."""
     shoulder: FloatArray
@@ -87,7 +92,10 @@ def _model(arm: Arm, count: int) -> Model:
     length = _LENGTH_SHARE * _straight(arm)
     slides = arm.packed.slides == 1.0
     units = np.where(slides, length, 1.0)
-    bounds = np.array((arm.limits.q_min, arm.limits.q_max, units))
+    lower, upper = arm.limits.q_min, arm.limits.q_max
+    free = ~slides & (upper - lower >= _TURN)
+    loose = np.where(free, -np.inf, lower), np.where(free, np.inf, upper)
+    bounds = np.array((lower, upper, units, *loose))
     starts = start.spread(bounds[0], bounds[1], units, count)
     T = arm.fk(starts)
     tools = np.concatenate((T[:, :3, 3].T, T[:, :3, :3].reshape(-1, 9).T))
@@ -118,13 +126,15 @@ def prepare() -> None:
 
     Searches do so by themselves when it pays. Call this before work that may not stall.
     """
+    from splinearm.compiled import bind
+
     kernel = load()
     packed = np.zeros((2, 13))
     packed[:, (0, 4, 8)] = 1.0
-    bounds, goals = np.array(((-1.0,), (1.0,), (1.0,))), np.ones((1, 16))
-    starts, tools, seeds = np.zeros((2, 1)), np.zeros((12, 2)), np.zeros((1, 2, 1))
-    question = (packed, bounds, goals[0], starts, tools, seeds[0], _HOW, 1, np.zeros((12, 6)))
-    kernel.search_alone(*question)
+    bind(kernel.search_call, packed)
+    bounds = np.array(((-1.0,), (1.0,), (1.0,), (-1.0,), (1.0,)))
+    goals, starts, tools = np.ones((1, 16)), np.zeros((2, 1)), np.zeros((12, 2))
+    seeds = np.zeros((1, 2, 1))
     tries = np.ones(1, dtype=np.int64)
     kernel.search_batch(packed, bounds, goals, starts, tools, seeds, _HOW, tries, np.zeros((1, 5)))
 
@@ -140,7 +150,7 @@ def kernels() -> ModuleType | None:
 def _worth() -> int:
     """Give after how many steps on numpy the kernels pay."""
     cache = Path(__file__).parent / "__pycache__"
-    compiled = any(cache.glob("search_kernel.search_alone-*.nbi"))
+    compiled = any(cache.glob("search_kernel.search_call-*.nbi"))
     return WORTH_LOADING if compiled else WORTH_COMPILING
 
 
@@ -168,36 +178,68 @@ def descend(
     return Rest(there, position_error, orientation_error, cost, steps, at_rest)
 
 
-def search(
-    kernel: ModuleType,
-    model: Model,
-    goal: FloatArray,
-    seed: FloatArray | None,
-    near: FloatArray,
-    restarts: int,
-) -> tuple[bool, FloatArray, int]:
-    """Search on the kernels: whether the last rest is the answer, the rests, and all steps.
+def loosened(arm: Arm, goal: Goal) -> Goal:
+    """Give a goal for descents that may end whole turns away from the limits."""
+    bounds = model_of(arm).bounds
+    return goal._replace(lower=bounds[3], upper=bounds[4])
 
-    Args:
-        kernel: What ``kernels`` gave.
-        model: What ``model_of`` gave.
-        goal: What ``goal_numbers`` gave.
-        seed: Where to start first, shape (n,), or None.
-        near: What whole turns are to be near to, shape (n,).
-        restarts: How many starts may be tried.
 
-    Returns:
-        The rests are rows of q, cost, position error, orientation error, steps, whether at rest.
-    """
-    n = model.arm.n
-    seeds = np.empty((2, n))
-    seeds[0] = np.nan if seed is None else seed
-    seeds[1] = near
-    rests = np.empty((restarts + CONTINUED + 2, n + 5))
-    met, count, steps = kernel.search_alone(
-        model.packed, model.bounds, goal, model.starts, model.tools, seeds, _HOW, restarts, rests
+class Inquiry(NamedTuple):
+    """A search on the kernels but for its target: what stays the same from call to call."""
+
+    ask: Callable[..., bool]
+    """The kernel, bound to the arm; see `search_kernel.search_alone`."""
+    bounds: FloatArray
+    """As in `Model`."""
+    terms: FloatArray
+    """Weights, tolerances and the like, as the kernel takes them."""
+    starts: FloatArray
+    """As in `Model`."""
+    tools: FloatArray
+    """As in `Model`."""
+    middle: FloatArray
+    """As in `Model`: what whole turns are near to where there is no seed."""
+    most: int
+    """How many rests a search can have."""
+    room: int
+    """How much room the kernel wants."""
+
+    def put(
+        self, p: ArrayInput, quat: ArrayInput, q_seed: ArrayInput
+    ) -> tuple[bool, FloatArray, FloatArray, FloatArray]:
+        """Search for one target: whether it is done, the answer, what is said of it, and all rests.
+
+        It is not done where an argument is not as the kernel takes it.
+        """
+        n = len(self.middle)
+        q, said, rests = np.empty(n), np.empty(5), np.empty((self.most, n + 5))
+        done = self.ask(
+            self.bounds, p, quat, q_seed, self.terms, self.starts, self.tools, _HOW,
+            rests, np.empty(self.room), q, said,
+        )  # fmt: skip
+        return done, q, said, rests
+
+
+def inquiry(
+    arm: Arm, tolerances: tuple[float, float], restarts: int, *, seeded: bool, posed: bool
+) -> Inquiry:
+    """Give a search on the kernels for all targets of a kind; the tolerances are m and rad."""
+    from splinearm.compiled import bind
+
+    kernel = load()
+    model = model_of(arm, restarts)
+    n, place = arm.n, 1.0 / model.length
+    terms = (place, posed, *tolerances, restarts, seeded, HOPELESS, model.reach, *model.shoulder)
+    return Inquiry(
+        ask=bind(kernel.search_call, model.packed),
+        bounds=model.bounds,
+        terms=np.array(terms, dtype=np.float64),
+        starts=model.starts,
+        tools=model.tools,
+        middle=model.middle,
+        most=restarts + CONTINUED + 2,
+        room=16 + 2 * n + len(model.starts) + kernel.STRIPES + kernel.room(n),
     )
-    return met, rests[:count], steps
 
 
 def how() -> FloatArray:

@@ -12,7 +12,7 @@ from .chain import Chain
 from .gauge import Gauge
 
 _TOLERANCE = 1e-9
-_LAST_SEARCHED = 3
+_ROWS = 13
 
 
 class ArmClass(Enum):
@@ -27,8 +27,11 @@ class ArmClass(Enum):
     THREE_PARALLEL = "three parallel axes"
     """Six joints; the second to fourth axes are parallel and the last two meet (UR)."""
 
-    MEETING_WRIST = "last two axes meeting"
-    """Six joints; only the last (or first) two axes meet: a search along the fourth joint."""
+    GENERAL = "six joints of any kind"
+    """Six turning joints without such a structure: up to 16 branches, by eigenvalues."""
+
+    SEVEN = "spherical shoulder, elbow and wrist"
+    """Seven joints, the first three axes meeting and the fifth and sixth: the swivel is given."""
 
     PAN_AND_ROLL = "pan, three parallel axes and roll"
     """Five joints: one, three parallel, and a roll (Koch, ReactorX-150, WidowX-200)."""
@@ -61,7 +64,7 @@ class Structure:
     words: str
     """The class in words."""
     packed: FloatArray
-    """The arm as module six_kernel takes it, shape (n + 7, 6); empty for other classes."""
+    """The arm as its kernels take it, shape (n + 7, 6) or more; empty for other classes."""
     gauge: Gauge | None = None
     """The arm in its simplest frames, for the classes that use them."""
 
@@ -77,13 +80,7 @@ def find(chain: Chain) -> Structure:
         gauge = gauges.find(chain)
         if n == 6:
             back = gauges.find(gauges.reverse(chain))
-            return (
-                _six(gauge, reverse=False)
-                or _six(back, reverse=True)
-                or _searched(gauge, reverse=False)
-                or _searched(back, reverse=True)
-                or _none()
-            )
+            return _six(gauge, reverse=False) or _six(back, reverse=True) or _general(gauge)
     except ValueError:
         return _none()
     return _few(gauge)
@@ -95,10 +92,10 @@ def _few(gauge: Gauge) -> Structure:
     if not three or min(abs(gauge.rows[1:3, 0])) == 0.0:
         return _none()
     if len(gauge.offset) == 4:
-        return Structure(ArmClass.PAN, ArmClass.PAN.value, _pack(gauge), gauge)
+        return Structure(ArmClass.PAN, ArmClass.PAN.value, pack(gauge), gauge)
     if gauge.parallel(3):
         return _none()
-    return Structure(ArmClass.PAN_AND_ROLL, ArmClass.PAN_AND_ROLL.value, _pack(gauge), gauge)
+    return Structure(ArmClass.PAN_AND_ROLL, ArmClass.PAN_AND_ROLL.value, pack(gauge), gauge)
 
 
 def _none() -> Structure:
@@ -117,25 +114,22 @@ def _six(gauge: Gauge, *, reverse: bool) -> Structure | None:
         words = f"{kind.value}, {_BASES[base]}"
         if reverse:
             words += " (seen from the tool)"
-        return Structure(kind, words, _pack(gauge, 0, base, reverse=reverse), gauge)
+        return Structure(kind, words, pack(gauge, 0, base, reverse=reverse), gauge)
     three = gauge.parallel(1) and gauge.parallel(2) and not gauge.parallel(0)
     if three and gauge.meeting(4) and not gauge.parallel(3) and min(abs(rows[1:3, 0])) > 0.0:
         kind = ArmClass.THREE_PARALLEL
         words = kind.value + (" (seen from the tool)" if reverse else "")
-        return Structure(kind, words, _pack(gauge, 1, 0, reverse=reverse), gauge)
+        return Structure(kind, words, pack(gauge, 1, 0, reverse=reverse), gauge)
     return None
 
 
-def _searched(gauge: Gauge, *, reverse: bool) -> Structure | None:
-    """Give the class of six joints that a search along the fourth solves, or None."""
-    base = _base(gauge)
-    if not gauge.meeting(4) or gauge.spherical(3) or base is None or base > _LAST_SEARCHED:
-        return None
-    kind = ArmClass.MEETING_WRIST
-    words = f"{kind.value}, {_BASES[base]}, search along the fourth joint"
-    if reverse:
-        words += " (seen from the tool)"
-    return Structure(kind, words, _pack(gauge, 2, base, reverse=reverse), gauge)
+def _general(gauge: Gauge) -> Structure:
+    """Give six turning joints as module general_six_kernel takes them, but for the ways."""
+    packed = np.zeros((_ROWS + 1, 6))
+    packed[:_ROWS] = pack(gauge, 2)
+    # any fixed turns that are no round figures will do
+    packed[_ROWS] = np.random.default_rng(6).uniform(-np.pi, np.pi, 6)
+    return Structure(ArmClass.GENERAL, ArmClass.GENERAL.value, packed, gauge)
 
 
 def _base(gauge: Gauge) -> int | None:
@@ -154,7 +148,8 @@ def _base(gauge: Gauge) -> int | None:
     return 2 if a1 == 0.0 else 4
 
 
-def _pack(gauge: Gauge, kind: int = 0, base: int = 0, *, reverse: bool = False) -> FloatArray:
+def pack(gauge: Gauge, kind: int = 0, base: int = 0, *, reverse: bool = False) -> FloatArray:
+    """Give an arm in its simplest frames as the kernels take it, shape (n + 7, 6)."""
     n = len(gauge.offset)
     packed = np.zeros((n + 7, 6))
     packed[:n, :4] = gauge.rows
