@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,8 @@ from splinearm.control.record import Cycle, Recorder
 from splinearm.control.report import LoopReport, TrackingReport, report_loop, report_tracking
 from splinearm.control.stop import StopRequest
 from splinearm.errors import ConfigError, CurveError, UnreachableError
+from splinearm.kinematics.dynamics import Dynamics
+from splinearm.trajectories.limit import MotionLimits
 from splinearm.trajectories.plan import Plan, plan, plan_joint_move
 from splinearm.trajectories.tool_path import carried_tool_path
 from splinearm.units import DEG
@@ -69,7 +71,7 @@ def plan_job(job: Job, cell: Cell) -> PlannedJob:
             cell.arm,
             job.waypoints,
             job.q_start,
-            limits=cell.arm.limits.scaled(job.limits_share),
+            limits=_limits(job, cell),
             position_tolerance=job.position_tolerance,
             closed=job.closed,
         )
@@ -87,6 +89,25 @@ def plan_job(job: Job, cell: Cell) -> PlannedJob:
         # what the files say is right by itself, but does not go together
         raise ConfigError(job.file, "", str(error)) from error
     return PlannedJob(job, cell, motion)
+
+
+def _limits(job: Job, cell: Cell) -> MotionLimits:
+    """Give what a job lets its arm do."""
+    joints = cell.arm.limits.scaled(job.limits_share)
+    if job.jerk_time is not None:
+        joints = joints.with_jerk_time(job.jerk_time)
+    dynamics = None
+    if job.torque_share is not None:
+        if joints.torque_max is None:
+            raise ValueError("torque_percent: the arm's file says no torques (max_torque_nm)")
+        joints = replace(joints, torque_max=joints.torque_max * job.torque_share)
+        dynamics = Dynamics(cell.arm)
+    return MotionLimits(
+        joints=joints,
+        dynamics=dynamics,
+        arm=cell.arm,
+        tool_acceleration=job.tool_acceleration,
+    )
 
 
 def plan_motion(saved: SavedMotion, cell: Cell, file: Path, rate: float = 100.0) -> PlannedJob:

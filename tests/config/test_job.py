@@ -268,3 +268,16 @@ def test_arcs_and_facings_are_asked_for_where_they_mean_something(load, job_text
     joints = '[[waypoint]]\njoints_deg = [1, 2]\nfacing = "kept"\n'
     with pytest.raises(ConfigError, match=r"facing.*is for tool moves to a position"):
         load(edited(job_text, ONE, joints))
+
+
+def test_what_else_limits_a_motion_is_read(load, job_text, edited):
+    asked = "[motion]\njerk_time_s = 0.1\ntool_acceleration_mm_s2 = 500\ntorque_percent = 60"
+    job = load(edited(job_text, "[motion]", asked))
+    assert job.jerk_time == 0.1
+    assert job.tool_acceleration == 0.5
+    assert job.torque_share == 0.6
+    plain = load(job_text)
+    assert (plain.jerk_time, plain.tool_acceleration, plain.torque_share) == (None, None, None)
+    with pytest.raises(ConfigError, match="above 0") as caught:
+        load(edited(job_text, "[motion]", "[motion]\njerk_time_s = 0"))
+    assert caught.value.key == "motion.jerk_time_s"

@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from splinearm.errors import CurveError, LimitError, UnreachableError
-from splinearm.joints import JointLimits
 from splinearm.kinematics import quaternion
 from splinearm.kinematics.pose import Pose
+from splinearm.trajectories.limit import MotionLimits
 from splinearm.trajectories.plan import plan, plan_joint_move
 from splinearm.trajectories.waypoint import Move, Waypoint
 
@@ -237,21 +237,39 @@ def test_wrong_arguments_are_refused(arm_2r, arm_6, heart):
             plan(arm_2r, [waypoint], Q_2R, position_tolerance=tolerance)
 
 
-def test_a_limit_of_jerk_is_refused_rather_than_forgotten(arm_2r, heart):
-    own = arm_2r.limits
-    limits = JointLimits(
-        names=own.names,
-        kinds=own.kinds,
-        q_min=own.q_min,
-        q_max=own.q_max,
-        qd_max=own.qd_max,
-        qdd_max=own.qdd_max,
-        qddd_max=[100.0, 100.0],
-    )
-    with pytest.raises(ValueError, match="jerk"):
-        plan(arm_2r, [Waypoint(position=heart[1])], Q_2R, limits=limits)
-    with pytest.raises(ValueError, match="jerk"):
-        plan_joint_move(limits, Q_2R, Q_2R)
+def test_a_limit_of_jerk_is_kept_by_every_move(arm_6, q_6, poses_6, worst_use):
+    limits = arm_6.limits.with_jerk_time(0.1)
+    waypoints = [
+        Waypoint(pose=poses_6[1]),
+        Waypoint(pose=poses_6[2], speed=0.1),
+        Waypoint(pose=poses_6[3], move=Move.LINE, blend=0.005),
+        Waypoint(pose=poses_6[4], move=Move.LINE, dwell=0.2),
+        Waypoint(q=q_6 + 0.1, move=Move.JOINT),
+    ]
+    made = plan(arm_6, waypoints, q_6, limits=limits)
+    assert worst_use(made.trajectory, 4000) <= 1.0 + 1e-6
+    ts = np.linspace(0.0, made.trajectory.duration, 4000)
+    assert np.abs(made.trajectory.jerk(ts) / limits.qddd_max).max() <= 1.0 + 1e-3
+    # acceleration never jumps: between two moments it changes by no more than the jerk allows
+    steps = np.abs(np.diff(made.trajectory.sample(ts)[2], axis=0)) / np.diff(ts)[:, None]
+    assert (steps <= limits.qddd_max * (1.0 + 1e-3)).all()
+    assert {peak.quantity for peak in made.peaks()} >= {"jerk"}
+    plain = plan(arm_6, waypoints, q_6)
+    assert plain.trajectory.duration < made.trajectory.duration < 3.0 * plain.trajectory.duration
+
+
+def test_accelerations_of_the_tool_are_kept_if_asked_for(arm_6, q_6, poses_6):
+    limits = MotionLimits(joints=arm_6.limits, arm=arm_6, tool_acceleration=0.8, tool_speed=0.15)
+    made = plan(arm_6, [Waypoint(pose=pose) for pose in poses_6[1:4]], q_6, limits=limits)
+    ts = np.linspace(0.0, made.trajectory.duration, 20_001)
+    p = arm_6.fk(made.trajectory.sample(ts)[0])[:, :3, 3]
+    speed = np.diff(p, axis=0) / ts[1]
+    acceleration = np.linalg.norm(np.diff(speed, axis=0), axis=1) / ts[1]
+    assert np.linalg.norm(speed, axis=1).max() <= 0.15 * (1.0 + 1e-3)
+    # differences blur the jumps of acceleration between two cells
+    assert np.percentile(acceleration, 99.5) <= 0.8 * (1.0 + 2e-2)
+    told = {binding.quantity for binding in made.bindings()}
+    assert "tool speed" in told
 
 
 def test_limits_of_a_plan_are_those_it_was_given(arm_2r, heart):

@@ -12,6 +12,11 @@ The keys of a job file (``schema = "splinearm-job/1"``)::
         speed_mm_s          of the tool; without it as fast as the joints may
         closed              true: back to the start in the end; B-splines make one closed curve
         limits_percent      share of the arm's speed limits that the motion may use (default 100)
+        jerk_time_s         time in which a joint's acceleration grows to its limit; without it
+                            acceleration may jump, unless the arm's file limits the jerk
+        tool_acceleration_mm_s2   highest acceleration of the tool
+        torque_percent      share of the joints' torques that the motion may use, by the masses in
+                            the arm's file; without it torques are not looked at
         rate_hz             setpoints a second (default 100)
         position_tolerance_mm   how far the tool may be off the wanted curve (default 0.02)
     [[waypoint]]            in order; where, and what differs from [motion]
@@ -70,6 +75,12 @@ class Job:
     """Whether it leads back to the start in the end."""
     limits_share: float
     """Share of the arm's speed limits that it may use, above 0 and at most 1."""
+    jerk_time: float | None = None
+    """Time in which a joint's acceleration grows to its limit, s; None: as the arm's limits say."""
+    tool_acceleration: float | None = None
+    """Highest acceleration of the tool, m/s2; None: not limited."""
+    torque_share: float | None = None
+    """Share of the joints' torques that it may use; None: torques are not looked at."""
     rate: float
     """Setpoints a second, Hz."""
     position_tolerance: float
@@ -115,6 +126,9 @@ def load_job(path: str | PathLike[str], *, arm: str | PathLike[str] | None = Non
         waypoints=tuple(_read_waypoint(table, cell, usual) for table in waypoint_tables),
         closed=motion.flag("closed"),
         limits_share=motion.number("limits_percent", 1.0, above=0.0, high=1.0),
+        jerk_time=_optional(motion, "jerk_time_s"),
+        tool_acceleration=_optional(motion, "tool_acceleration_mm_s2"),
+        torque_share=_optional(motion, "torque_percent", high=1.0),
         rate=motion.number("rate_hz", 100.0, low=1.0, high=2000.0),
         position_tolerance=motion.number("position_tolerance_mm", 2e-5, above=0.0),
     )
@@ -160,7 +174,12 @@ def _read_usual(table: Table) -> _Motion:
 
 
 def _read_speed(table: Table) -> float | None:
-    return table.number("speed_mm_s", above=0.0) if "speed_mm_s" in table else None
+    return _optional(table, "speed_mm_s")
+
+
+def _optional(table: Table, key: str, *, high: float | None = None) -> float | None:
+    """Read a number above 0, if it is there."""
+    return table.number(key, above=0.0, high=high) if key in table else None
 
 
 def _read_waypoint(table: Table, cell: Cell, usual: _Motion) -> Waypoint:

@@ -234,6 +234,9 @@ def _checked_start(arm: Arm, waypoints: Sequence[Waypoint], q_start: ArrayInput)
 
 def _every_limit(arm: Arm, limits: JointLimits | MotionLimits | None) -> MotionLimits:
     """Give the limits of a motion of an arm; those of the tool are of this arm's tool."""
+    joints = limits.joints if isinstance(limits, MotionLimits) else limits
+    if joints is not None and joints.n != arm.n:
+        raise ValueError(f"limits: want those of {arm.n} joints, got those of {joints.n}")
     if not isinstance(limits, MotionLimits):
         return MotionLimits(joints=arm.limits if limits is None else limits, arm=arm)
     require_smooth(limits)
