@@ -114,3 +114,11 @@ def test_a_part_of_a_motion_that_begins_or_ends_moving_is_refused(guard, limits)
         guard.admit(first, 0.01)
     with pytest.raises(TrajectoryError, match="the motion begins while joints move"):
         guard.admit(second, 0.01)
+
+
+def test_a_motion_that_breaks_a_limit_of_jerk_is_refused(limits):
+    smooth = limits.with_jerk_time(0.1)
+    motion = plan_joint_move(smooth, np.zeros(2), np.array([1.5, -2.0]))
+    Guard(smooth).admit(motion, 0.01)
+    with pytest.raises(LimitError, match=r"jerk .* is above its limit"):
+        Guard(limits.with_jerk_time(0.2)).admit(motion, 0.01)

@@ -69,7 +69,9 @@ def _peak_row(peak: "LimitPeak", limits: "JointLimits") -> tuple[str, ...]:
 
 
 def _binding_row(binding: "Binding") -> tuple[str, ...]:
-    what = f"{binding.quantity} of {binding.joint}" if binding.joint else "no joint"
+    what = binding.quantity or "nothing that is looked at"
+    if binding.joint is not None:
+        what = f"{what} of {binding.joint}"
     return (f"{binding.start:.3f}", f"{binding.end:.3f}", what, f"{binding.share:.1%}")
 
 

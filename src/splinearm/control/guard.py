@@ -81,6 +81,10 @@ class Guard:
         if over.any():
             i = int(np.argmax(over))
             limits.check(q[i], qd[i], qdd[i], t=float(ts[i]))
+        if limits.qddd_max is not None:
+            jerk = trajectory.jerk(ts)
+            i = int(np.argmax((np.abs(jerk) / limits.qddd_max).max(axis=1)))
+            self._refuse("jerk", jerk[i], limits.qddd_max, float(ts[i]))
 
     def begin(self, trajectory: JointTrajectory, state: JointState, goal: FloatArray) -> None:
         """Pass an arm that is held where the motion starts; forget the last setpoint.

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 FASTEST = 1.5
 """Highest pace that can be asked for, as a share of the planned one."""
 
-_STRETCHES = 1000
+_STRETCHES = 400
 _LOOKS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 _INSIDE = 1e-9
-_STEPS = 200
+_STEPS = 60
 _MOST_STEPS = 4000
 _HALVINGS = 60
 
@@ -250,7 +250,7 @@ def slow_down(envelope: Envelope, state: FloatArray) -> Pace:
         The pace, to its rest or to the end of the motion.
     """
     end = float(envelope.edges[-1])
-    h = min(max((end - float(state[0])) / _STEPS, 1e-4), 1e-2)
+    h = min(max((end - float(state[0])) / _STEPS, 1e-4), 2e-2)
     out = np.empty((_MOST_STEPS, 4))
     command = np.array([0.0, h, envelope.highest_push, 1.0, 1.0])
     e = envelope

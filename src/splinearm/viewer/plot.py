@@ -49,10 +49,16 @@ def plot_plan(file: Path, planned: PlannedJob) -> None:
     figure, grid = _figure(planned.job.title)
     _draw_path(figure, grid, planned.plan.tool_path.sample(_CURVE_POINTS), None)
     _draw_joints(figure.add_subplot(grid[0, 1]), planned, t, q, None)
-    limits = planned.cell.arm.limits
+    limits = trajectory.limits
     used = figure.add_subplot(grid[1, 1])
     used.plot(t, np.abs(qd / limits.qd_max).max(axis=1) * 100.0, color="C0", label="velocity")
     used.plot(t, np.abs(qdd / limits.qdd_max).max(axis=1) * 100.0, color="C3", label="acceleration")
+    if limits.qddd_max is not None:
+        jerk = np.abs(trajectory.jerk(t) / limits.qddd_max).max(axis=1)
+        used.plot(t, jerk * 100.0, color="C4", linewidth=0.9, label="jerk")
+    tool = trajectory.tool_share(t)
+    if tool.any():
+        used.plot(t, tool * 100.0, color="0.4", linestyle=":", label="tool speed")
     used.set(xlabel="t / s", ylabel="worst joint / % of its limit")
     used.legend(fontsize="small")
     figure.savefig(file, dpi=130)
