@@ -14,16 +14,20 @@ ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "src" / "splinearm"
 
 PUBLIC = {
+    "ArcAbout",
+    "ArcThrough",
     "Arm",
     "BSpline",
     "DHConvention",
     "DHLink",
+    "Facing",
     "Guard",
     "JointLimits",
     "JointSetpoint",
     "JointState",
     "JointTrajectory",
     "Loop",
+    "MotionLimits",
     "Move",
     "Pose",
     "Recorder",
@@ -32,10 +36,13 @@ PUBLIC = {
     "Waypoint",
     "load_cell",
     "load_job",
+    "load_motion",
     "open_arm",
     "plan",
     "plan_job",
+    "point_to_point",
     "run_job",
+    "save_motion",
     "shipped_arms",
 }
 

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from .backends import open_arm as open_arm
     from .config import load_cell as load_cell
     from .config import load_job as load_job
+    from .config import load_motion as load_motion
+    from .config import save_motion as save_motion
     from .config import shipped_arms as shipped_arms
     from .control.follow import Loop as Loop
     from .control.guard import Guard as Guard
@@ -27,22 +29,31 @@ if TYPE_CHECKING:
     from .kinematics.pose import Pose as Pose
     from .runner import plan_job as plan_job
     from .runner import run_job as run_job
+    from .trajectories.limit import MotionLimits as MotionLimits
     from .trajectories.plan import plan as plan
+    from .trajectories.point_to_point import point_to_point as point_to_point
     from .trajectories.trajectory import JointTrajectory as JointTrajectory
+    from .trajectories.waypoint import ArcAbout as ArcAbout
+    from .trajectories.waypoint import ArcThrough as ArcThrough
+    from .trajectories.waypoint import Facing as Facing
     from .trajectories.waypoint import Move as Move
     from .trajectories.waypoint import Waypoint as Waypoint
 
 _HOME = {
+    "ArcAbout": "trajectories.waypoint",
+    "ArcThrough": "trajectories.waypoint",
     "Arm": "kinematics.arm",
     "BSpline": "curves.bspline",
     "DHConvention": "kinematics.dh",
     "DHLink": "kinematics.dh",
+    "Facing": "trajectories.waypoint",
     "Guard": "control.guard",
     "JointLimits": "joints",
     "JointSetpoint": "joints",
     "JointState": "joints",
     "JointTrajectory": "trajectories.trajectory",
     "Loop": "control.follow",
+    "MotionLimits": "trajectories.limit",
     "Move": "trajectories.waypoint",
     "Pose": "kinematics.pose",
     "Recorder": "control.record",
@@ -51,10 +62,13 @@ _HOME = {
     "Waypoint": "trajectories.waypoint",
     "load_cell": "config",
     "load_job": "config",
+    "load_motion": "config",
     "open_arm": "backends",
     "plan": "trajectories.plan",
     "plan_job": "runner",
+    "point_to_point": "trajectories.point_to_point",
     "run_job": "runner",
+    "save_motion": "config",
     "shipped_arms": "config",
 }
 
