@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from splinearm.backends import Station
 from splinearm.config import Cell, Job, SavedMotion
 from splinearm.control.follow import Loop, Outcome
 from splinearm.control.guard import Guard, Tolerances
+from splinearm.control.mcap_log import McapLog
 from splinearm.control.record import Cycle, Recorder
 from splinearm.control.report import LoopReport, TrackingReport, report_loop, report_tracking
 from splinearm.control.stop import StopRequest
@@ -151,6 +153,7 @@ def run_job(
     station: Station,
     *,
     csv: Path | None = None,
+    mcap: Path | None = None,
     observe: Callable[[Cycle], object] | None = None,
     announce: Callable[[str], object] | None = None,
 ) -> RunResult:
@@ -160,6 +163,7 @@ def run_job(
         planned: The job and its motion.
         station: The arm, open.
         csv: Where every cycle of the motion is written; must not be there yet.
+        mcap: Where it is written for Foxglove and PlotJuggler, likewise.
         observe: Gets every cycle of the motion.
         announce: Gets one line whenever a person should know.
 
@@ -171,8 +175,12 @@ def run_job(
     guard = Guard(cell.arm.limits, Tolerances())
     recorder = Recorder(cell.arm.joint_names, cell.arm.limits.kinds, csv)
 
+    log = nullcontext(None) if mcap is None else McapLog(cell.arm.joint_names, mcap)
+
     def keep(cycle: Cycle) -> None:
         recorder(cycle)
+        if isinstance(log, McapLog):
+            log(cycle)
         if observe is not None:
             observe(cycle)
 
@@ -188,7 +196,7 @@ def run_job(
         observe=keep,
         announce=say,
     )
-    with recorder, StopRequest() as stop:
+    with recorder, log, StopRequest() as stop:
         outcome = _approach(approach, wanted, cell, say, stop)
         if outcome is Outcome.FINISHED:
             outcome = motion.follow(wanted.trajectory, stop)

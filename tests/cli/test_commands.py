@@ -193,3 +193,14 @@ def test_a_motion_is_kept_as_rows_at_a_rate(cli):
     assert float(rows[1]["t_s"]) == pytest.approx(0.05)
     assert float(rows[-1]["joint2_deg"]) == pytest.approx(60.0)
     assert float(rows[-1]["joint2_deg_s"]) == 0.0
+
+
+@pytest.mark.sim
+def test_a_run_is_kept_for_foxglove(cli):
+    pytest.importorskip("mcap", reason="the extra log is not installed")
+    from mcap.reader import make_reader
+
+    assert cli("run", cli.job(), "--mcap", "run.mcap") == DONE
+    with (cli.folder / "run.mcap").open("rb") as stream:
+        topics = {channel.topic for _, channel, _ in make_reader(stream).iter_messages()}
+    assert topics == {"/joint_states", "/joint_commands", "/loop"}

@@ -33,6 +33,13 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument("--rate", type=float, default=None, metavar="HZ", help="setpoints a second")
     parser.add_argument("--csv", type=Path, default=None, metavar="FILE", help="write every cycle")
     parser.add_argument(
+        "--mcap",
+        type=Path,
+        default=None,
+        metavar="FILE",
+        help="write every cycle for Foxglove and PlotJuggler",
+    )
+    parser.add_argument(
         "--plot", type=Path, default=None, metavar="FILE", help="draw it (PNG, SVG, PDF)"
     )
     parser.add_argument(
@@ -46,9 +53,10 @@ def run(args: argparse.Namespace) -> int:
     from .files import require_new
 
     require_new(rows=args.csv, picture=args.plot)
+    require_new(rows=args.mcap)
     is_job = Path(args.job).suffix.lower() == ".toml"
     planned = planned_job(args) if is_job else saved_motion(args)
-    result = carry_out(planned, args.on, csv=args.csv, realtime=args.realtime)
+    result = carry_out(planned, args.on, csv=args.csv, mcap=args.mcap, realtime=args.realtime)
     if args.plot is not None and result.recorder.cycles:
         draw(result, args.plot)
     return exit_code(result)
@@ -84,7 +92,12 @@ def saved_motion(args: argparse.Namespace) -> "PlannedJob":
 
 
 def carry_out(
-    planned: "PlannedJob", where: str, *, csv: Path | None, realtime: bool
+    planned: "PlannedJob",
+    where: str,
+    *,
+    csv: Path | None,
+    realtime: bool,
+    mcap: Path | None = None,
 ) -> "RunResult":
     """Carry out a job with a progress bar and print what came of it."""
     from splinearm.backends import open_arm
@@ -105,6 +118,7 @@ def carry_out(
                     planned,
                     station,
                     csv=csv,
+                    mcap=mcap,
                     observe=lambda cycle: bar.update(task, completed=min(cycle.t, duration)),
                     announce=console.print,
                 )
