@@ -1,6 +1,7 @@
 """The one check that arrays pass when they enter a value type."""
 
 from collections.abc import Sequence
+from math import isfinite
 from typing import TypeAlias
 
 import numpy as np
@@ -11,6 +12,8 @@ FloatArray: TypeAlias = npt.NDArray[np.float64]
 
 ArrayInput: TypeAlias = npt.ArrayLike
 """What a user may pass where an array is wanted."""
+
+_FEW = 32
 
 
 def frozen_array(
@@ -35,12 +38,20 @@ def frozen_array(
         array = np.array(values, dtype=np.float64, order="C")
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name}: want an array of numbers, got {values!r}") from error
-    if array.ndim != len(shape) or any(
-        want not in (None, have) for want, have in zip(shape, array.shape, strict=True)
+    if array.shape != shape and (
+        array.ndim != len(shape)
+        or any(want not in (None, have) for want, have in zip(shape, array.shape, strict=True))
     ):
         wanted = ", ".join("any" if size is None else str(size) for size in shape)
         raise ValueError(f"{name}: want shape ({wanted}), got {array.shape}")
-    if np.isnan(array).any() or (finite and not np.isfinite(array).all()):
+    if not _is_finite(array) and (finite or np.isnan(array).any()):
         raise ValueError(f"{name}: want finite numbers, got {array.tolist()}")
-    array.flags.writeable = False
+    array.setflags(write=False)
     return array
+
+
+def _is_finite(array: FloatArray) -> bool:
+    """Tell whether all numbers are finite; of few numbers sooner than numpy does."""
+    if array.size <= _FEW:
+        return all(map(isfinite, array.ravel().tolist()))
+    return bool(np.isfinite(array).all())

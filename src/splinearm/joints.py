@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from enum import Enum
+from math import isfinite
 
 import numpy as np
 
@@ -33,11 +34,12 @@ class JointSetpoint:
     """Acceleration, shape (n,), rad/s2."""
 
     def __post_init__(self) -> None:
-        if not np.isfinite(self.t):
+        if not isfinite(self.t):
             raise ValueError(f"t: want a finite time, got {self.t}")
-        n = np.size(self.q)
-        for name in ("q", "qd", "qdd"):
-            object.__setattr__(self, name, frozen_array(getattr(self, name), (n,), name))
+        q = frozen_array(self.q, (None,), "q")
+        object.__setattr__(self, "q", q)
+        object.__setattr__(self, "qd", frozen_array(self.qd, q.shape, "qd"))
+        object.__setattr__(self, "qdd", frozen_array(self.qdd, q.shape, "qdd"))
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
