@@ -15,7 +15,7 @@ from splinearm.errors import CurveError
 
 pytestmark = pytest.mark.kernel
 SEEDS = st.integers(0, 2**32 - 1)
-SAME = 2e-14
+SAME = 1e-13  # rounding where knots are very uneven; the benchmark shows 4e-16 where they are not
 
 
 def check_same(curve, other, u):
