@@ -84,57 +84,68 @@ class Leg:
         return SpeedCap(edges=self.s, speeds=speeds, rate=partial(_tool_rate, arm, self.joints))
 
 
-def spline_leg(
+@dataclass(frozen=True, slots=True, eq=False)
+class ToolWay:
+    """A smooth way of the tool through places, before joints carry it there."""
+
+    path: CartesianPath
+    """The way."""
+    places: Sequence[Place]
+    """The places, the start first; on a closed curve the start again as the last."""
+
+    @property
+    def labels(self) -> PathLabels:
+        """What messages call its places."""
+        return PathLabels([place.name for place in self.places])
+
+    def leg(self, arm: Arm, q_start: FloatArray, tolerance: Tolerance) -> Leg:
+        """Give the leg on which the arm follows the way from joint positions at its start, (n,).
+
+        Raises:
+            KinematicsError: If the arm cannot follow.
+        """
+        joints = resolve(arm, self.path, q_start, tolerance, self.labels)
+        return Leg(joints, self.path, self.path.waypoint_s, self.places)
+
+
+def spline_way(
     arm: Arm,
     places: Sequence[Place],
     q_start: FloatArray,
-    tolerance: Tolerance,
     closing: Place | None = None,
     *,
     tangent: bool = False,
-) -> Leg:
-    """Give the leg of a B-spline through places, the start first.
+) -> ToolWay:
+    """Give the way of a B-spline through places, the start first.
 
     Args:
         arm: The arm.
         places: At least two places.
         q_start: Where the joints are at the first, shape (n,).
-        tolerance: How far the tool may be off.
         closing: What is asked for at the end of a closed curve, which is the first place again;
             None: the curve is open.
-        tangent: Whether the tool turns with its way.
-
-    Raises:
-        KinematicsError: If the arm cannot follow.
+        tangent: Whether the tool turns with its way, from how the joints hold it at the start.
     """
     path = spline_path(tool_places(places), closed=closing is not None)
-    path = _along(arm, path, q_start) if tangent else path
-    marks = [*places, closing] if closing is not None else list(places)
-    return _tool_leg(arm, path, marks, q_start, tolerance)
+    path = turning_along(path, _held(arm, q_start)) if tangent else path
+    return ToolWay(path, [*places, closing] if closing is not None else list(places))
 
 
-def course_legs(
-    arm: Arm,
-    places: Sequence[Place],
-    q_start: FloatArray,
-    tolerance: Tolerance,
-    *,
-    tangent: bool = False,
-) -> list[Leg]:
-    """Give the legs of lines and arcs: a new one where the tool must stop at a corner.
+def course_ways(
+    arm: Arm, places: Sequence[Place], q_start: FloatArray, *, tangent: bool = False
+) -> list[ToolWay]:
+    """Give the ways of lines and arcs: a new one where the tool must stop at a corner.
 
     Args:
         arm: The arm.
         places: At least two places, the start first.
         q_start: Where the joints are at the first, shape (n,).
-        tolerance: How far the tool may be off.
-        tangent: Whether the tool turns with its way.
+        tangent: Whether the tool turns with its way, from how the joints hold it at the start.
 
     Raises:
         CurveError: If blends overlap or an arc cannot be made.
-        KinematicsError: If the arm cannot follow.
     """
-    legs: list[Leg] = []
+    ways: list[ToolWay] = []
     segments = segments_between(places)
     check_blends(
         steps_between(tool_places(places), segments),
@@ -148,15 +159,18 @@ def course_legs(
         and not is_smooth(tool_places(places[i - 1 : i + 2]), segments[i - 1 : i + 1])
     ]
     bounds = [0, *corners, len(places) - 1]
+    held = _held(arm, q_start)
     for begin, end in pairwise(bounds):
         some = places[begin : end + 1]
         blends = np.array([place.blend for place in some])
         names = [place.name for place in some]
         path = course_path(tool_places(some), segments[begin:end], blends, names)
-        q = legs[-1].q_goal if legs else q_start
-        path = _along(arm, path, q) if tangent else path
-        legs.append(_tool_leg(arm, path, some, q, tolerance))
-    return legs
+        if tangent:
+            path = turning_along(path, held)
+            quat = path.at(path.domain[1])[1]
+            held = held if quat is None else quat
+        ways.append(ToolWay(path, some))
+    return ways
 
 
 def joint_legs(arm: Arm, places: Sequence[Place]) -> list[Leg]:
@@ -182,21 +196,9 @@ def straight_path(q_start: FloatArray, q_goal: FloatArray) -> JointPath:
     return JointPath(BSpline(np.array([0.0, 0.0, 1.0, 1.0]), np.array([q_start, q_goal]), 1))
 
 
-def _along(arm: Arm, path: CartesianPath, q_start: FloatArray) -> CartesianPath:
-    """Let the tool turn with its way, from how the joints hold it at the start."""
-    return turning_along(path, quaternion.from_matrix(arm.fk(q_start)[:3, :3]))
-
-
-def _tool_leg(
-    arm: Arm,
-    path: CartesianPath,
-    places: Sequence[Place],
-    q_start: FloatArray,
-    tolerance: Tolerance,
-) -> Leg:
-    labels = PathLabels([place.name for place in places])
-    joints = resolve(arm, path, q_start, tolerance, labels)
-    return Leg(joints, path, path.waypoint_s, places)
+def _held(arm: Arm, q: FloatArray) -> FloatArray:
+    """Give how the joints hold the tool, shape (4,)."""
+    return quaternion.from_matrix(arm.fk(q)[:3, :3])
 
 
 def _joint_curve(arm: Arm, places: Sequence[Place], corners: FloatArray, u: FloatArray) -> BSpline:

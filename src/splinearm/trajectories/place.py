@@ -149,9 +149,21 @@ def tool_run(
 
 
 def joint_run(
-    arm: Arm, waypoints: Sequence[Waypoint], numbers: Sequence[int], start: Start
+    arm: Arm,
+    waypoints: Sequence[Waypoint],
+    numbers: Sequence[int],
+    start: Start,
+    q_goal: FloatArray | None = None,
 ) -> list[Place]:
-    """Give the places of a run of joint moves, the start first; arguments as for tool moves.
+    """Give the places of a run of joint moves, the start first.
+
+    Args:
+        arm: The arm.
+        waypoints: All waypoints.
+        numbers: Those of the run.
+        start: Where it begins.
+        q_goal: Joint positions, shape (n,), that bring the tool to the last waypoint; None: those
+            that the waypoint gives, or the nearest.
 
     Raises:
         UnreachableError: If no joint positions bring the tool to a waypoint.
@@ -161,7 +173,9 @@ def joint_run(
     for i in numbers:
         waypoint = waypoints[i]
         target = waypoint.pose if waypoint.pose is not None else waypoint.position
-        if waypoint.q is not None:
+        if q_goal is not None and i == numbers[-1]:
+            q = q_goal
+        elif waypoint.q is not None:
             q = waypoint.q
         elif target is not None:
             q = _reach(arm, target, q, name_of(i, waypoint))

@@ -12,11 +12,11 @@ from splinearm.curves.nearest import SpaceCurve
 from splinearm.joints import JointLimits
 from splinearm.kinematics.arm import Arm
 
-from . import peak, place
+from . import peak, place, stretch
 from .joint_path import JointPath
-from .leg import Leg, course_legs, joint_legs, spline_leg, straight_path
+from .leg import Leg, spline_way, straight_path
 from .limit import MotionLimits
-from .pacing import quickest_law, require_smooth
+from .pacing import quickest_law
 from .peak import Binding as Binding
 from .peak import LimitPeak as LimitPeak
 from .place import Place, Start
@@ -90,8 +90,8 @@ def plan(
         UnreachableError: If the arm cannot get to a waypoint or along the way to it.
         CurveError: If the waypoints make no such way.
         LimitError: If ``q_start`` or joint positions of a waypoint break a limit.
-        ValueError: If an argument is wrong: runs that mix poses and positions, limits of other
-            joints, or limits of jerk and of torque together, which no law here holds.
+        ValueError: If an argument is wrong: runs that mix poses and positions, or limits of
+            other joints.
     """
     every = _every_limit(arm, limits)
     arm = replace(arm, limits=every.joints)
@@ -143,7 +143,6 @@ class _Motion:
         self.arm = arm
         self.limits = limits
         self.q = q
-        self.name = "the start"
         self.tolerance = tolerance
         self.t = 0.0
         self.sections: list[Section] = []
@@ -152,28 +151,16 @@ class _Motion:
 
     def add_runs(self, waypoints: Sequence[Waypoint]) -> None:
         """Add all runs of equal moves."""
-        for move, tangent, numbers in place.runs_of(waypoints):
-            if move is Move.JOINT:
-                places = place.joint_run(self.arm, waypoints, numbers, self._here())
-            else:
-                places = place.tool_run(self.arm, waypoints, numbers, self._here())
+        here = Start(self.q, "the start")
+        for places, legs in stretch.run_legs(self.arm, waypoints, here, self.tolerance):
             self._rest(places[0])
-            self.name = places[-1].name
-            if len(places) == 1:
-                continue
-            if move is Move.JOINT:
-                legs = joint_legs(self.arm, places)
-            elif move is Move.LINE:
-                legs = course_legs(self.arm, places, self.q, self.tolerance, tangent=tangent)
-            else:
-                legs = [spline_leg(self.arm, places, self.q, self.tolerance, tangent=tangent)]
             for leg in legs:
                 self._add(leg)
 
     def add_closed_figure(self, waypoints: Sequence[Waypoint]) -> None:
         """Add one closed curve through the start and all waypoints."""
         numbers = range(len(waypoints))
-        places = place.tool_run(self.arm, waypoints, numbers, self._here())
+        places = place.tool_run(self.arm, waypoints, numbers, Start(self.q, "the start"))
         first = places[0]
         self._rest(first)
         if len(places) == 1:
@@ -183,10 +170,8 @@ class _Motion:
         else:
             speed = first.speed if first.waypoints else places[-1].speed
             closing = replace(first, name="the start", waypoints=(), speed=speed, dwell=0.0)
-        self._add(spline_leg(self.arm, places, self.q, self.tolerance, closing))
-
-    def _here(self) -> Start:
-        return Start(self.q, self.name)
+        way = spline_way(self.arm, places, self.q, closing)
+        self._add(stretch.follow(self.arm, [way], self.q, self.tolerance)[0])
 
     def _rest(self, at: Place) -> None:
         """Pass the waypoints that are where the arm already rests."""
@@ -239,5 +224,4 @@ def _every_limit(arm: Arm, limits: JointLimits | MotionLimits | None) -> MotionL
         raise ValueError(f"limits: want those of {arm.n} joints, got those of {joints.n}")
     if not isinstance(limits, MotionLimits):
         return MotionLimits(joints=arm.limits if limits is None else limits, arm=arm)
-    require_smooth(limits)
     return limits if limits.arm is not None else replace(limits, arm=arm)

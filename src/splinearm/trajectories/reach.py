@@ -19,6 +19,8 @@ from .path import CartesianPath
 _LOOKS = 12
 """How often a way that cannot be followed is looked at."""
 
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+
 _ROUNDING = 1e-9
 """Misses below this, in m or rad, are none."""
 
@@ -36,11 +38,8 @@ class PathLabels:
         if at.any():
             return self.names[int(np.argmax(at))]
         behind = int(np.searchsorted(path.waypoint_s, s))
-        gone = s - path.waypoint_s[behind - 1]
-        return (
-            f"the way from {self.names[behind - 1]} to {self.names[behind]}, "
-            f"{gone / MM:.4g} mm along it,"
-        )
+        gone = _gone(path, float(path.waypoint_s[behind - 1]), s)
+        return f"the way from {self.names[behind - 1]} to {self.names[behind]}, {gone} it,"
 
 
 def refuse_unreachable(
@@ -128,13 +127,30 @@ def refuse_limit(
     beyond = f"{amount / MM:.4g} mm" if sliding else f"{amount / DEG:.4g} deg"
     name = limits.names[joint]
     return UnreachableError(
-        float(position[0]),
-        float(orientation[0]),
+        _said(position[0]),
+        _said(orientation[0]),
         name,
         f"joint {name!r} would have to pass its limit by {beyond}; move the waypoint or start "
         "elsewhere",
         labels.place(path, at),
     )
+
+
+def _gone(path: CartesianPath, start: float, s: float) -> str:
+    """Say how far along its way the tool is at s, or if it stays in its place how far round."""
+    between = path.breaks[(path.breaks > start) & (path.breaks < s)]
+    edges = np.concatenate(([start], between, [s]))
+    half = 0.5 * np.diff(edges)[:, None]
+    at = 0.5 * (edges[1:] + edges[:-1])[:, None] + half * _NODES
+    slope = path.state(at.ravel()).slope.reshape(*at.shape, -1)
+    weights = (half * _WEIGHTS)[..., None]
+    moved, turned = (
+        float((np.linalg.norm(part, axis=2, keepdims=True) * weights).sum())
+        for part in (slope[..., :3], slope[..., 3:])
+    )
+    if moved <= _ROUNDING < turned:
+        return f"{turned / DEG:.4g} deg into"
+    return f"{moved / MM:.4g} mm along"
 
 
 def _said(error: float) -> float:

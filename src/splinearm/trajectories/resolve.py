@@ -1,17 +1,20 @@
 """From a way of the tool to a way of the joints that carries it there."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from splinearm.arrays import FloatArray
+from splinearm.arrays import ArrayInput, FloatArray
 from splinearm.curves.basis import IndexArray
+from splinearm.curves.bspline import BSpline
 from splinearm.curves.hermite import Jet, quintic_pieces, quintic_spline
+from splinearm.curves.sampler import Sampler
+from splinearm.kinematics import forward
 from splinearm.kinematics.arm import Arm
 
 from . import task
 from .joint_path import JointPath
-from .path import TURN_ARM, CartesianPath
+from .path import TURN_ARM, CartesianPath, ToolState
 from .reach import PathLabels, refuse_jump, refuse_limit, refuse_unreachable
 
 _NODE_SHARE = 0.05
@@ -52,6 +55,25 @@ class Tolerance:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class _Sampled:
+    """A B-spline that is looked at often."""
+
+    curve: BSpline
+    sampler: Sampler
+
+    @property
+    def domain(self) -> tuple[float, float]:
+        return self.curve.domain
+
+    @property
+    def breaks(self) -> FloatArray:
+        return self.curve.breaks
+
+    def at(self, u: ArrayInput, derivative: int = 0) -> FloatArray:
+        return self.sampler.sample(u, derivative)[..., derivative, :]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class _Nodes:
     """Joint positions on the path."""
 
@@ -79,11 +101,21 @@ def resolve(
         UnreachableError: If the arm cannot follow, or only beyond a joint limit, or only by
             jumping to another branch.
     """
+    forward.load()
+    path = _quick(path)
     nodes = _track(arm, path, q_start, tolerance, labels)
     s, jet = _refine(arm, path, nodes, tolerance, labels)
     joints = JointPath(quintic_spline(s, jet))
     _check_limits(arm, path, joints, labels)
     return joints
+
+
+def _quick(path: CartesianPath) -> CartesianPath:
+    """Give the same path, quicker to look at."""
+    curve = path.position
+    if not isinstance(curve, BSpline):
+        return path
+    return replace(path, position=_Sampled(curve, curve.sampler()))
 
 
 def _track(
@@ -104,8 +136,9 @@ def _track(
             left = end - s
             # the last step of a piece goes to its end, the one before leaves no crumb
             to = end if step >= 0.999 * left else s + min(step, 0.5 * left)
-            predicted = _predict(arm, path, s, to, q)
-            reached = task.correct(arm, predicted, path.state(np.array([to])))
+            states = path.state(np.array([s, 0.5 * (s + to), to]))
+            predicted = _predict(arm, states, to - s, q)
+            reached = task.correct(arm, predicted, _at(states, 2))
             off = float(np.abs(reached.q - predicted).max())
             if not np.isfinite(off) or off > _JUMP or not _is_reached(reached, tolerance):
                 step = 0.3 * (to - s)
@@ -122,18 +155,26 @@ def _track(
     return _Nodes(np.array(s_nodes), np.array(q_nodes))
 
 
-def _predict(arm: Arm, path: CartesianPath, s: float, to: float, q: FloatArray) -> FloatArray:
-    """Give where the joints are at the next place if they follow the tool's velocity, (1, n)."""
+def _predict(arm: Arm, states: ToolState, h: float, q: FloatArray) -> FloatArray:
+    """Give where the joints are a step h on if they follow the tool's velocity, shape (1, n).
+
+    The states are those at the beginning, the middle and the end of the step.
+    """
     # Runge-Kutta of fourth order on q' = pinv(J(q)) v(s)
-    h = to - s
-    states = path.state(np.array([s, s + 0.5 * h, to]))
-    start, middle, end = (states._replace(slope=states.slope[i : i + 1]) for i in range(3))
+    start, middle, end = (_at(states, i) for i in range(3))
     k1 = task.slopes(arm, q[None], start)
     k2 = task.slopes(arm, q + 0.5 * h * k1, middle)
     k3 = task.slopes(arm, q + 0.5 * h * k2, middle)
     k4 = task.slopes(arm, q + h * k3, end)
     predicted: FloatArray = q + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
     return predicted
+
+
+def _at(states: ToolState, i: int) -> ToolState:
+    """Give one of some states."""
+    one = slice(i, i + 1)
+    quat = None if states.quat is None else states.quat[one]
+    return ToolState(states.p[one], quat, states.slope[one], states.bend[one])
 
 
 def _is_reached(found: task.Corrected, tolerance: Tolerance) -> bool:
