@@ -5,7 +5,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from splinearm.curves import banded
-from splinearm.curves.interpolation import EndDerivatives, choose_parameters, interpolate
+from splinearm.curves.interpolation import (
+    EndDerivatives,
+    choose_parameters,
+    interpolate,
+    interpolate_tangents,
+)
 from splinearm.errors import CurveError
 
 pytestmark = pytest.mark.kernel
@@ -163,3 +168,79 @@ def test_a_singular_banded_system_is_told():
     first = np.arange(30)
     with pytest.raises(np.linalg.LinAlgError):
         banded.solve(first, np.zeros((30, 1)), np.ones((30, 1)))
+
+
+@pytest.mark.parametrize("degree", [1, 3, 5, 7])
+def test_a_not_a_knot_curve_is_the_one_of_scipy(degree):
+    points = np.random.default_rng(degree).normal(size=(12, 3))
+    u = choose_parameters(points)
+    curve = interpolate(points, degree=degree, ends="not-a-knot")
+    peer = scipy.interpolate.make_interp_spline(u, points, k=degree)
+    assert np.array_equal(curve.knots, peer.t)
+    assert np.allclose(curve.points, peer.c, atol=1e-10)
+
+
+def test_not_a_knot_ends_of_an_even_degree_are_refused():
+    with pytest.raises(ValueError, match="odd"):
+        interpolate(np.eye(5), degree=4, ends="not-a-knot")
+
+
+@pytest.mark.parametrize("at_start", [True, False])
+@pytest.mark.parametrize(("degree", "count"), [(3, 1), (3, 2), (5, 3), (4, 2)])
+def test_end_derivatives_may_be_given_on_one_side_only(at_start, degree, count):
+    rng = np.random.default_rng(count)
+    points, given = rng.normal(size=(9, 2)), rng.normal(size=(count, 2))
+    ends = EndDerivatives(start=given) if at_start else EndDerivatives(end=given)
+    curve = interpolate(points, degree=degree, parameters="uniform", ends=ends)
+    assert np.allclose(curve.at(np.arange(9.0)), points, atol=1e-10)
+    for order in range(count):
+        assert np.allclose(curve.at(0.0 if at_start else 8.0, order + 1), given[order], atol=1e-8)
+
+
+@pytest.mark.parametrize(("degree", "smooth"), [(3, 1), (5, 3)])
+def test_given_tangents_are_met_at_every_point(degree, smooth):
+    rng = np.random.default_rng(3)
+    points, tangents = rng.normal(size=(2, 8, 3))
+    curve = interpolate_tangents(points, tangents, degree=degree)
+    u = choose_parameters(points)
+    assert np.allclose(curve.at(u), points, atol=1e-12)
+    assert np.allclose(curve.at(u, 1), tangents, atol=1e-11)
+    counts = np.unique(curve.knots, return_counts=True)[1]
+    assert (counts[1:-1] == degree - smooth).all()
+    peer = scipy.interpolate.CubicHermiteSpline(u, points, tangents)
+    at = np.linspace(0.0, u[-1], 101)
+    assert (degree == 5) or np.allclose(curve.at(at), peer(at), atol=1e-12)
+
+
+def test_the_smoothest_quintic_has_less_third_derivative_than_any_other():
+    rng = np.random.default_rng(4)
+    points, tangents = rng.normal(size=(2, 6, 1))
+    u = choose_parameters(points)
+    nodes, weights = np.polynomial.legendre.leggauss(6)
+    half = 0.5 * np.diff(u)[:, None]
+    places = (u[:-1, None] + half + half * nodes).ravel()
+
+    def energy(curve):
+        return ((half * weights).ravel() * curve.at(places, 3)[:, 0] ** 2).sum()
+
+    best = interpolate_tangents(points, tangents, degree=5)
+    assert np.allclose(best.at(u[[0, -1]], 3), 0.0, atol=1e-9)
+    bends = best.at(u, 2)
+    same = interpolate_tangents(points, tangents, degree=5, bends=bends)
+    assert np.isclose(energy(same), energy(best), rtol=1e-9)
+    for _ in range(5):
+        other = bends + rng.normal(size=bends.shape)
+        assert energy(interpolate_tangents(points, tangents, degree=5, bends=other)) > energy(best)
+
+
+def test_tangents_that_do_not_fit_are_refused():
+    with pytest.raises(ValueError, match="tangents"):
+        interpolate_tangents(np.eye(3), np.eye(2))
+    with pytest.raises(ValueError, match="degree"):
+        interpolate_tangents(np.eye(3), np.eye(3), degree=4)
+    with pytest.raises(ValueError, match="without bends"):
+        interpolate_tangents(np.eye(3), np.eye(3), bends=np.eye(3))
+    with pytest.raises(ValueError, match="rising"):
+        interpolate_tangents(np.eye(3), np.eye(3), parameters=[0.0, 2.0, 1.0])
+    with pytest.raises(ValueError, match="at least 2"):
+        interpolate_tangents(np.eye(3)[:1], np.eye(3)[:1])

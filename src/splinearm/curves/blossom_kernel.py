@@ -90,7 +90,8 @@ def over_knots(knots: FloatArray, rows: FloatArray, new: FloatArray, out: FloatA
     at, shares = np.empty(degree), np.empty((2, degree + 1))
     for i in range(out.shape[0]):
         span = span_of(knots, degree, new, degree, i)
-        at[:] = new[i + 1 : i + 1 + degree]
+        for k in range(degree):
+            at[k] = new[i + 1 + k]
         far_first(at, 0.5 * (knots[span] + knots[span + 1]))
         shares[0] = 0.0
         add_blossom(knots, span, at, 1.0, shares)
@@ -150,7 +151,8 @@ def remove(knots: FloatArray, rows: FloatArray, index: FloatArray, out: FloatArr
             null[k] = -null[k - 1] * share[k - 1] / (1.0 - share[k])
             total += abs(null[k])
     for i in range(m - 1):
-        out[i] = rows[i] if i < first else rows[i + 1]
+        for c in range(columns):
+            out[i, c] = rows[i if i < first else i + 1, c]
     out[m - 1 :] = 0.0
     for c in range(columns):
         miss = 0.0

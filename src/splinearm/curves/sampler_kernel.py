@@ -98,7 +98,8 @@ def fill(table: FloatArray, piece: int, u: float, out: FloatArray) -> None:
             powers[0] = powers[0] * x + row[HEAD + i * columns + j]
         # powers[r] is the r-th derivative over r!
         if rational and j == columns - 1:
-            w[:] = powers
+            for r in range(rows):
+                w[r] = powers[r]
             continue
         factorial = 1.0
         for r in range(rows):
