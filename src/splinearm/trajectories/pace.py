@@ -207,12 +207,12 @@ class PacedMotion:
         if self.rests:
             return rest
         section, local = motion.section_at(self.motion_t)
-        state = np.array([local, *self._state[1:]])
-        if state[0] >= section.law.duration:
+        if local >= section.law.duration:
             return rest
-        nodes, span = section.nodes(), (0.0, section.law.duration)
-        envelope = Envelope.of(section, nodes, span, motion.limits)
-        law = PacedLaw(section.law, slow_down(envelope, state))
+        begun = self.motion_t - local
+        command = np.array([0.0, *self._command[1:]])
+        pace = slow_down(self._envelope, self._state, command, begun + section.law.duration)
+        law = PacedLaw(section.law, pace._replace(tau=pace.tau - begun))
         return JointTrajectory((Section(section.path, law),), now.q, motion.limits)
 
     def step(self) -> JointSetpoint:
@@ -239,25 +239,42 @@ class Pace(NamedTuple):
     """Second derivative from there on, shape (m,), 1/s2."""
 
 
-def slow_down(envelope: Envelope, state: FloatArray) -> Pace:
-    """Give the pace by which a motion comes to rest on its path as soon as the limits allow.
+def slow_down_from(envelope: Envelope, t: float) -> Pace:
+    """Give the pace by which a motion under way as planned comes to rest on its path.
 
     Args:
         envelope: The motion; it ends at rest.
-        state: Its time, its pace and how that changes, when it is left, shape (3,).
+        t: When it is left, s.
 
     Returns:
         The pace, to its rest or to the end of the motion.
     """
     end = float(envelope.edges[-1])
-    h = min(max((end - float(state[0])) / _STEPS, 1e-4), 2e-2)
-    out = np.empty((_MOST_STEPS, 4))
+    h = min(max((end - t) / _STEPS, 1e-4), 2e-2)
     command = np.array([0.0, h, envelope.highest_push, 1.0, 1.0])
+    return slow_down(envelope, np.array([t, 1.0, 0.0]), command, end)
+
+
+def slow_down(envelope: Envelope, state: FloatArray, command: FloatArray, end: float) -> Pace:
+    """Give the pace by which a motion comes to rest on its path as soon as the limits allow.
+
+    Args:
+        envelope: The motion.
+        state: Its time, its pace and how that changes, when it is left, shape (3,).
+        command: As the kernel has it, with the way on that is known from there, shape (5,).
+        end: When the motion comes to rest by itself, s.
+
+    Returns:
+        The pace, to its rest or to that end.
+    """
+    out = np.empty((_MOST_STEPS, 4))
     e = envelope
     moved = np.array(state)
     count = _kernels().run(e.edges, e.box, e.limits, command, moved, np.empty((3, 3)), out)
-    rows = out[:count]
-    pace = Pace(h * np.arange(count), rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3])
+    beyond = int(np.searchsorted(out[:count, 0], end))
+    rows = out[: min(count, beyond + 1)]
+    t = command[1] * np.arange(len(rows))
+    pace = Pace(t, rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3])
     return pace if rows[-1, 0] < end else _until(pace, end)
 
 

@@ -8,7 +8,7 @@ from splinearm.joints import JointLimits
 from . import constraint, reachability
 from .constraint import Rows
 from .joint_path import JointPath
-from .pace import Envelope, slow_down
+from .pace import Envelope, slow_down_from
 from .paced_law import PacedLaw
 from .section import Law, Section
 from .time_law import TimeLaw, split_cells
@@ -49,7 +49,7 @@ def law_to_rest(section: Section, limits: JointLimits, t: float, known: Envelope
         return brake(section.path, limits, law, s, speed)
     if id(section) not in known:
         known[id(section)] = Envelope.of(section, section.nodes(), (0.0, law.duration), limits)
-    pace = slow_down(known[id(section)], np.array([t, 1.0, 0.0]))
+    pace = slow_down_from(known[id(section)], t)
     if pace.t[-1] >= law.duration - t:
         return law.between(t, law.duration)
     return PacedLaw(law, pace)
