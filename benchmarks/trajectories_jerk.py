@@ -3,7 +3,8 @@
 The path is a quintic B-spline through eight random points of seven joints, the limits are the
 Panda's with jerks of ten times its accelerations. Times are of the processor, medians of several
 rounds. T/T* is the duration over that of a law on a very fine grid, after it was slowed until it
-breaks no limit. Run it on one core, for example
+breaks no limit. No peer takes torques together with jerk: they are beside the quickest law without
+a limit of jerk, which nothing can beat. Run it on one core, for example
 ``taskset -c 1 python benchmarks/trajectories_jerk.py``.
 """
 
@@ -13,16 +14,21 @@ import platform
 import statistics
 import time
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from kinematics_forward import imported, processor
+from trajectories_timing import TORQUES, ur5_size, way
 
 from splinearm.curves.interpolation import interpolate
 from splinearm.joints import JointKind, JointLimits
 from splinearm.trajectories.joint_path import JointPath
+from splinearm.trajectories.limit import MotionLimits
 from splinearm.trajectories.section import Section
 from splinearm.trajectories.smooth_law import SmoothLaw
 from splinearm.trajectories.smooth_timing import quickest_smooth
+from splinearm.trajectories.timing import quickest
 
 N = 7
 VELOCITY = np.array([2.175] * 4 + [2.61] * 3)
@@ -134,9 +140,11 @@ def main() -> None:
             use.append(used_by(path, law, 100_001))
             ratio.append(law.duration * slower(use[-1]) / shortest)
         line("splinearm", cells, ms, ratio, np.array(use))
+    with_torques()
     copp = imported("copp_py")
     if copp is None:
         return
+    print()
     for cells in (200, 1000):
         ms, ratio, use = [], [], []
         for path, shortest in zip(paths, best, strict=True):
@@ -145,6 +153,36 @@ def main() -> None:
             use.append(used_by_profile(path, a, b))
             ratio.append(duration * slower(use[-1]) / shortest)
         line("copp topp3_socp", cells, ms, ratio, np.array(use))
+
+
+def with_torques() -> None:
+    """Print a table of laws within torques and jerks of an arm of the UR5's size."""
+    dynamics, joints = ur5_size()
+    joints = replace(joints, qddd_max=10.0 * joints.qdd_max)
+    print("\nand torques of an arm of the UR5's size; T/T2 is over the quickest without jerk")
+    print(f"{'':22} {'cells':>6} {'ms':>9} {'T/T2':>8}   peaks of velocity ... jerk, torque")
+    paths = [way(seed, 6) for seed in range(PATHS)]
+    for share in (1.0, 0.6):
+        full = share * np.array(TORQUES)
+        limits = MotionLimits(joints=replace(joints, torque_max=full), dynamics=dynamics)
+        for cells in (200, 1000):
+            ms, ratio, use = [], [], []
+            for path in paths:
+                law = quickest_smooth(path, limits, cells=cells)
+                call = partial(quickest_smooth, path, limits, cells=cells)
+                ms.append(median(call, ROUNDS))
+                ratio.append(law.duration / quickest(path, limits, cells=2000).duration)
+                ts = np.linspace(0.0, law.duration, 100_001)
+                section = Section(path, law)
+                q, qd, qdd = section.sample(ts)
+                peaks = (
+                    (qd, joints.qd_max),
+                    (qdd, joints.qdd_max),
+                    (section.jerk(ts), joints.qddd_max),
+                    (dynamics.inverse(q, qd, qdd), full),
+                )
+                use.append([float(np.abs(value / most).max()) for value, most in peaks])
+            line(f"splinearm, torque x {share}", cells, ms, ratio, np.array(use))
 
 
 if __name__ == "__main__":

@@ -165,15 +165,28 @@ import json
 import numpy as np
 from splinearm.curves.interpolation import interpolate
 from splinearm.joints import JointKind, JointLimits
+from splinearm.kinematics.arm import Arm
+from splinearm.kinematics.dh import DHConvention, DHLink
+from splinearm.kinematics.dynamics import Drives, Dynamics
+from splinearm.kinematics.link import Inertia
 from splinearm.trajectories.joint_path import JointPath
+from splinearm.trajectories.limit import MotionLimits
 from splinearm.trajectories.smooth_timing import Passage, quickest_smooth
 
 path = JointPath(interpolate(np.random.default_rng(1).uniform(-1, 1, (5, 2)), degree=5))
 names, ones = ("a", "b"), np.ones(2)
 limits = JointLimits(names=names, kinds=(JointKind.REVOLUTE,) * 2, q_min=-9 * ones,
-    q_max=9 * ones, qd_max=ones, qdd_max=3 * ones, qddd_max=30 * ones)
-law = quickest_smooth(path, limits, passage=Passage(jerk_max=1e3), cells=8)
-found = [law.s, law.t, law.speed, law.growth, law.states(np.linspace(0, law.duration, 50)).ravel()]
+    q_max=9 * ones, qd_max=ones, qdd_max=3 * ones, qddd_max=30 * ones, torque_max=[12.0, 4.0])
+links = [DHLink(name, a=0.4, alpha=1.0, d=0.0, theta=0.0) for name in names]
+bodies = [Inertia(1.5, np.array([-0.2, 0.0, 0.0]), 0.02 * np.eye(3))] * 2
+arm = Arm.from_dh("2R", links, DHConvention.STANDARD, limits, inertias=bodies)
+every = MotionLimits(joints=limits, dynamics=Dynamics(arm, drives=Drives(viscous=0.5 * ones)),
+    tool_acceleration=0.8)
+found = []
+for some, passage in ((limits, Passage(jerk_max=1e3)), (every, None)):
+    law = quickest_smooth(path, some, passage=passage, cells=8)
+    found += [law.s, law.t, law.speed, law.growth]
+    found.append(law.states(np.linspace(0, law.duration, 50)).ravel())
 print(json.dumps([array.tolist() for array in found]))
 """
 

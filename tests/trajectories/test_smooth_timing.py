@@ -145,23 +145,22 @@ def test_limits_of_c_take_one_cth_as_long(seed, c):
     path, limits = drawn(seed)
     other = limits_of(limits.qd_max * c, limits.qdd_max * c**2, limits.qddd_max * c**3)
     want = quickest_smooth(path, limits, cells=60).duration
-    assert quickest_smooth(path, other, cells=60).duration * c == pytest.approx(want, rel=2e-3)
+    assert quickest_smooth(path, other, cells=60).duration * c == pytest.approx(want, rel=1e-8)
 
 
 @pytest.mark.property
 @settings(max_examples=15, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), factor=st.sampled_from([1e-6, 1e-3, 1e3, 1e6]))
 def test_no_unit_matters(seed, factor):
-    # mostly to twelve digits; where cells bulge over limits by what the solver leaves, to three
     path, limits = drawn(seed)
     curve = path.curve
     want = quickest_smooth(path, limits, cells=60).duration
     parameter = JointPath(BSpline(curve.knots * factor, curve.points, curve.degree))
-    assert quickest_smooth(parameter, limits, cells=60).duration == pytest.approx(want, rel=2e-3)
+    assert quickest_smooth(parameter, limits, cells=60).duration == pytest.approx(want, rel=1e-8)
     length = JointPath(BSpline(curve.knots, curve.points * factor, curve.degree))
     three = (limits.qd_max * factor, limits.qdd_max * factor, limits.qddd_max * factor)
     got = quickest_smooth(length, limits_of(*three), cells=60).duration
-    assert got == pytest.approx(want, rel=2e-3)
+    assert got == pytest.approx(want, rel=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -218,7 +217,9 @@ def test_it_goes_on_from_any_motion_that_leaves_room(seed, at, share):
     span = (s, path.domain[1])
     course = Passage(start_speed=speed, start_acceleration=acceleration)
     law = quickest_smooth(path, limits, span, passage=course)
-    assert law.at(0.0) == pytest.approx((s, speed, acceleration), rel=1e-9)
+    assert law.at(0.0)[:2] == pytest.approx((s, speed), rel=1e-9)
+    rounding = 1e-9 * speed**2 / (span[1] - s)
+    assert law.at(0.0)[2] == pytest.approx(acceleration, rel=1e-9, abs=rounding)
     assert law.s[-1] == path.domain[1]
     assert law.speed[-1] == 0.0
     assert max(use(path, law, limits)) <= 1.0 + 2e-6

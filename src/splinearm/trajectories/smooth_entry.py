@@ -24,12 +24,12 @@ def kernels() -> Kernels:
 
     path = inputs(1, 3, 1, 1)
     return Kernels(
-        entry(row.rows_into, *path, *numbers(), *inputs(2, 2), *outputs(3, 2)),
-        entry(row.use_into, *path, *numbers(), *inputs(2, 2, 1), *numbers(), *outputs(2)),
-        entry(solver.begin_into, *inputs(1, 1, 1, 3, 2, 2), *outputs(3, 2, 2)),
+        entry(row.rows_into, *path, *inputs(2, 2), *outputs(3, 2)),
+        entry(row.use_into, *path, *inputs(2, 2, 1), *numbers(), *outputs(2)),
+        entry(solver.begin_into, *inputs(1, 1, 1, 3, 2, 2, 3, 3), *outputs(3, 2, 2)),
         entry(
             solver.improve,
-            *inputs(1, 1, 3, 1, 3, 2, 2),
+            *inputs(1, 1, 3, 1, 3, 2, 2, 3, 3),
             *numbers(),
             *outputs(1, 2, 2, 2, 1),
         ),

@@ -3,15 +3,17 @@
 All of it in shares of the way, which goes from 0 to 1.
 """
 
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.curves.basis import IndexArray
 from splinearm.errors import CurveError
 
 from .constraint import SpeedCap
 from .joint_path import JointPath
+from .smooth_placed import Placed
 
 _LOOKS = 256
 """In so many places, even along the way, the limits are looked at at least ..."""
@@ -54,25 +56,47 @@ _ROUNDING = 1e-11
 """... and above this share of the positions themselves."""
 
 
-class Way(NamedTuple):
-    """The part of a path that is to be timed, and within what limits."""
-
-    path: JointPath
-    """The way of the joints."""
-    start: float
-    """First s."""
-    end: float
-    """Last s."""
-    limits: FloatArray
-    """Highest velocity, acceleration and jerk of the joints, shape (3, n), or (3, n + 1) where the
-    last column says the same of s itself (infinity: no limit)."""
-    cap: SpeedCap | None
-    """How fast the tool may be."""
+class Shape(Protocol):
+    """A way of joints by shares of it."""
 
     @property
-    def length(self) -> float:
-        """Length of the way by s."""
-        return self.end - self.start
+    def breaks(self) -> FloatArray:
+        """Ends of the polynomial pieces, shape (k + 1,)."""
+        ...
+
+    @property
+    def coefficients(self) -> FloatArray:
+        """Of powers of the share behind the begin of a piece, shape (k, degree + 1, n)."""
+        ...
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        ...
+
+    def pieces_of(self, s: FloatArray) -> IndexArray:
+        """Give the piece that each share lies in, shape (m,)."""
+        ...
+
+    def slopes(
+        self, s: FloatArray, side: Literal["left", "right"] = "right"
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Give the first three derivatives of q, each of shape (m, n)."""
+        ...
+
+
+class Way(NamedTuple):
+    """What is to be timed, from share 0 to share 1 of it, and within what limits."""
+
+    path: Shape
+    """The way of the joints."""
+    limits: FloatArray
+    """Highest velocity, acceleration and jerk of the joints, shape (3, n), or (3, n + 1) where the
+    last column says the same of the share itself (infinity: no limit)."""
+    cap: SpeedCap | None
+    """How fast the tool may be."""
+    placed: Placed | None = None
+    """Torques and what else the tool may do."""
 
     def slopes(self, share: FloatArray, *, from_end: bool = False) -> tuple[FloatArray, ...]:
         """Give the first three derivatives of q by the share of the way, each of shape (k, n).
@@ -81,26 +105,19 @@ class Way(NamedTuple):
             share: Where, shape (k,).
             from_end: Whether places between two pieces belong to the one before.
         """
-        s, length = self.start + self.length * share, self.length
-        side: Literal["left", "right"] = "left" if from_end else "right"
-        pieces = np.searchsorted(self.path.breaks[1:-1], s, side=side)
-        _, first, second = self.path.sample(s, pieces)
-        third = self.path.third(s, pieces)
+        first, second, third = self.path.slopes(share, "left" if from_end else "right")
         if self.limits.shape[1] > self.path.n:
-            itself = np.full((len(s), 1), 1.0)
+            itself = np.ones((len(share), 1))
             first = np.hstack((first, itself))
             second, third = np.hstack((second, 0.0 * itself)), np.hstack((third, 0.0 * itself))
-        return first * length, second * length**2, third * length**3
+        return first, second, third
 
     def speed_cap(self, share: FloatArray) -> FloatArray:
         """Give the highest square of the speed, by the share of the way, that the tool allows."""
         if self.cap is None:
             return np.full(share.shape, np.inf)
-        s = self.start + self.length * share
-        cell = np.searchsorted(self.cap.edges[1:-1], s, side="right")
         with np.errstate(divide="ignore"):
-            speed = self.cap.speeds[cell] / np.abs(self.cap.rate(s))
-        cap: FloatArray = (speed / self.length) ** 2
+            cap: FloatArray = (self.cap.at(share) / self.cap.rate(share)) ** 2
         return cap
 
     def corners(self) -> FloatArray:
@@ -108,8 +125,7 @@ class Way(NamedTuple):
         fixed = self.path.breaks
         if self.cap is not None:
             fixed = np.union1d(fixed, self.cap.edges)
-        shares = (fixed - self.start) / self.length
-        shares = shares[(shares > 1e-12) & (shares < 1.0 - 1e-12)]
+        shares = fixed[(fixed > 1e-12) & (fixed < 1.0 - 1e-12)]
         apart: FloatArray = shares[np.diff(shares, prepend=0.0) > 1e-12]
         return apart
 
@@ -171,6 +187,9 @@ def estimate(way: Way, speeds: tuple[float, float]) -> Estimate:
         x = np.fmin(x, (0.5 * jerk / third).min(axis=1) ** (2.0 / 3.0))
         x = np.fmin(x, way.speed_cap(share))
         push = 0.5 * (acceleration / first).min(axis=1)
+        if way.placed is not None:
+            most, hardest = _placed_most(way.placed, share)
+            x, push = np.fmin(x, most), np.fmin(push, hardest)
         curves = []
         for speed, far in zip(speeds, (share, 1.0 - share), strict=True):
             y = launch_jerk(first, second, third, far, jerk) ** (2.0 / 3.0)
@@ -188,6 +207,24 @@ def estimate(way: Way, speeds: tuple[float, float]) -> Estimate:
     left = share[int(np.argmax(x < _FOLLOWS * curves[0]))]
     right = 1.0 - share[len(x) - 1 - int(np.argmax((x < _FOLLOWS * curves[1])[::-1]))]
     return Estimate(share, x, _times(share, x), (float(left), float(right)))
+
+
+def _placed_most(placed: Placed, share: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Give x and d2s/dt2 that take half of what torques and the tool may at places, (k,)."""
+    rows = placed.rows(np.append(share, 1.0), np.zeros(1))
+    room = 0.5 * np.maximum(rows.room - rows.drag, 1e-6)
+    ahead, bend, across = np.moveaxis(rows.cones, -1, 0)
+    x = np.fmin(
+        (room / np.maximum(rows.bend, 0.0)).min(axis=2, initial=np.inf),
+        ((0.5 * room / np.maximum(rows.root, 0.0)) ** 2).min(axis=2, initial=np.inf),
+    )
+    x = np.fmin(x, (0.5 / np.hypot(bend, across)).min(axis=2, initial=np.inf))
+    x = np.fmin(x, 1.0 / rows.square)
+    hardest = np.fmin(
+        (room / np.abs(rows.push)).min(axis=2, initial=np.inf),
+        (0.5 / ahead).min(axis=2, initial=np.inf),
+    )
+    return x[:, 0], hardest[:, 0]
 
 
 def _reached(x: FloatArray, gain: FloatArray) -> FloatArray:

@@ -8,7 +8,9 @@ main one whatever is asked of cells, and a step takes linear time.
 
 Asked is |g y| <= r of every row g. For accelerations r is a number. Jerks are sqrt(x) (g y), so
 that r / sqrt(x) bounds g y: convex in x, so its tangent lies below it and is safe. It is drawn anew
-at each of Newton's steps.
+at each of Newton's steps. Torques may ask for p y + w sqrt(x) <= r at a place within the cell: the
+tangent of the root, which lies above it, is safe if w is above zero. Accelerations of the tool ask
+for the squares of two such rows to be 1 together at most.
 """
 
 from math import inf, sqrt
@@ -19,6 +21,7 @@ from splinearm.arrays import FloatArray
 from splinearm.compiled import kernel
 
 from .smooth_band_kernel import factor, hold, local_maps, states, substitute
+from .smooth_slack_kernel import fill_constant, measure
 
 _GAUSS = 0.5 / sqrt(3.0)
 
@@ -38,56 +41,6 @@ _MOST_STEPS = 100
 
 
 @kernel
-def _fill_constant(G: FloatArray, caps: FloatArray, A: FloatArray) -> None:
-    """Write the slopes of all slacks that do not depend on where one is."""
-    m, K = G.shape[0], G.shape[1]
-    for i in range(m):
-        for k in range(K):
-            for c in range(3):
-                A[i, 2 * k, c], A[i, 2 * k + 1, c] = -G[i, k, c], G[i, k, c]
-        for j in range(3):
-            z, scale = 0.5 * j, -1.0 / caps[i, j]
-            A[i, 2 * K + j, 0] = scale
-            A[i, 2 * K + j, 1] = 2.0 * z * scale
-            A[i, 2 * K + j, 2] = z * z * scale
-
-
-@kernel
-def _measure(
-    G: FloatArray,
-    R: FloatArray,
-    caps: FloatArray,
-    Y: FloatArray,
-    A: FloatArray,
-    V: FloatArray,
-) -> None:
-    """Write what each row leaves of its bound to ``V`` and how that changes to ``A``."""
-    m, K = G.shape[0], G.shape[1]
-    for i in range(m):
-        x, u, c = Y[i, 0], Y[i, 1], Y[i, 2]
-        end = x + 2.0 * u + c
-        left, right = R[i, 1] / sqrt(x), R[i, 2] / sqrt(end)
-        for k in range(K):
-            p, q, r = G[i, k, 0], G[i, k, 1], G[i, k, 2]
-            value = p * x + q * u + r * c
-            bound = R[i, 0]
-            if 2 * k >= K and 4 * k < 3 * K:
-                bound = left
-                slope = -0.5 * left / x
-                A[i, 2 * k, 0], A[i, 2 * k + 1, 0] = slope - p, slope + p
-            elif 4 * k >= 3 * K:
-                bound = right
-                slope = -0.5 * right / end
-                A[i, 2 * k, 0], A[i, 2 * k + 1, 0] = slope - p, slope + p
-                A[i, 2 * k, 1], A[i, 2 * k + 1, 1] = 2.0 * slope - q, 2.0 * slope + q
-                A[i, 2 * k, 2], A[i, 2 * k + 1, 2] = slope - r, slope + r
-            V[i, 2 * k], V[i, 2 * k + 1] = bound - value, bound + value
-        V[i, 2 * K] = 1.0 - x / caps[i, 0]
-        V[i, 2 * K + 1] = 1.0 - (x + u + 0.25 * c) / caps[i, 1]
-        V[i, 2 * K + 2] = 1.0 - end / caps[i, 2]
-
-
-@kernel
 def begin_into(
     h: FloatArray,
     slaves: FloatArray,
@@ -95,14 +48,16 @@ def begin_into(
     G: FloatArray,
     R: FloatArray,
     caps: FloatArray,
+    T: FloatArray,
+    S: FloatArray,
     maps: FloatArray,
     Y: FloatArray,
     V: FloatArray,
 ) -> None:
-    """Write the maps, y of each cell, and what each row leaves of its bound, (m, 2 rows + 3)."""
+    """Write the maps, y of each cell, and what each row leaves of its bound."""
     local_maps(h, slaves[0], slaves[1], maps)
     states(maps, d, Y)
-    _measure(G, R, caps, Y, np.empty((V.shape[0], V.shape[1], 3)), V)
+    measure(G, R, caps, T, S, Y, np.empty((V.shape[0], V.shape[1], 3)), V)
 
 
 @kernel
@@ -145,6 +100,7 @@ def _assemble(
     h: FloatArray,
     ends: FloatArray,
     maps: FloatArray,
+    S: FloatArray,
     Y: FloatArray,
     A: FloatArray,
     V: FloatArray,
@@ -193,6 +149,16 @@ def _assemble(
             g0 += p * a
             g1 += p * b
             g2 += p * c
+        for k in range(S.shape[1]):
+            p = L[i, rows - S.shape[1] + k]
+            for c in range(0, 6, 3):
+                a, b, d = S[i, k, c], S[i, k, c + 1], S[i, k, c + 2]
+                h0 += p * a * a
+                h1 += p * a * b
+                h2 += p * a * d
+                h3 += p * b * b
+                h4 += p * b * d
+                h5 += p * d * d
         for k in range(3):
             m0, m1, m2 = maps[i, 0, k], maps[i, 1, k], maps[i, 2, k]
             p0 = h0 * m0 + h1 * m1 + h2 * m2
@@ -306,6 +272,8 @@ def improve(
     G: FloatArray,
     R: FloatArray,
     caps: FloatArray,
+    T: FloatArray,
+    S: FloatArray,
     goal: float,
     d: FloatArray,
     W: FloatArray,
@@ -324,9 +292,13 @@ def improve(
             at the begin of the cell and one at its end.
         R: Bounds of these three kinds in each cell, shape (m, 3).
         caps: Highest x at the begin, the middle and the end of each cell, shape (m, 3).
+        T: Rows by y that are asked one way only, how much of the root of x at which share of the
+            cell is added to them, and their bounds: three numbers, factor, bound and share, shape
+            (m, k, 6).
+        S: Pairs of rows by y whose squares are together at most 1, shape (m, l, 6).
         goal: To which share of the time the distance from the quickest shall shrink.
         d: Coefficients; x must be above zero with them.
-        W: Slacks, shape (m, 2 rows + 3), above zero.
+        W: Slacks, shape (m, 2 rows + 3 + k + l), above zero.
         L: Multipliers, of the same shape, above zero.
         Y: Becomes y of each cell, shape (m, 3).
         out: Becomes time, its distance from the least, what slacks lack, residual, steps.
@@ -336,11 +308,11 @@ def improve(
     A, V, C = np.empty((m, rows, 3)), np.empty((m, rows)), np.empty((m, rows))
     dY, step = np.empty((m, 3)), np.empty(n)
     band, sides, far = np.empty((5, n)), np.empty((2, n)), np.empty(2)
-    _fill_constant(G, caps, A)
+    fill_constant(G, caps, A)
     for count in range(_MOST_STEPS):
         states(maps, d, Y)
-        _measure(G, R, caps, Y, A, V)
-        _assemble(h, ends, maps, Y, A, V, W, L, band, out)
+        measure(G, R, caps, T, S, Y, A, V)
+        _assemble(h, ends, maps, S, Y, A, V, W, L, band, out)
         for k in range(n):
             if held[k] == 1.0:
                 hold(band, k)

@@ -14,6 +14,7 @@ from splinearm.arrays import FloatArray
 from . import smooth_grid
 from .smooth_entry import kernels
 from .smooth_grid import Estimate, Way
+from .smooth_placed import Placed
 
 _LAUNCH_LOOKS = np.linspace(0.0, 1.0, 33)
 """Where in a launch its limits are looked at."""
@@ -21,6 +22,9 @@ _LAUNCH_LOOKS = np.linspace(0.0, 1.0, 33)
 _FIRST_CHANGE = 0.2
 """By at most this share a given acceleration changes a given x within the first cell."""
 
+
+_LEAST_ROOM = 1e-6
+"""At least this share of a torque is left for moving."""
 
 _TRIFLE = 1e-7
 """By this share bounds are lowered further than they need to be."""
@@ -64,13 +68,12 @@ class Problem:
     """Highest x at the begin, middle and end of each cell, shape (m, 3)."""
     bounds: FloatArray
     """What the rows may reach: acceleration, jerk at the begin and the end, shape (m, 3)."""
+    lines: FloatArray
+    """Rows of torques, as the solver takes them, shape (m, k, 6)."""
+    cones: FloatArray
+    """Pairs of rows of accelerations of the tool, shape (m, l, 6)."""
     guess: FloatArray
     """About what x will be at the nodes, shape (m + 1,)."""
-
-    @property
-    def nodes(self) -> FloatArray:
-        """The nodes by s, shape (m + 1,)."""
-        return self.way.start + self.way.length * self.share
 
 
 def pose(way: Way, guess: Estimate, ends: tuple[End, End], cells: int) -> Problem:
@@ -83,6 +86,8 @@ def pose(way: Way, guess: Estimate, ends: tuple[End, End], cells: int) -> Proble
         cells: About how many cells there shall be.
     """
     unit = float(guess.t[-1])
+    if way.placed is not None:
+        way = way._replace(placed=replace(way.placed, unit=way.placed.unit * unit))
     ends = (_in_unit(ends[0], unit), _in_unit(ends[1], unit))
     share = smooth_grid.nodes(way, guess, cells, (_first_cell(ends[0]), _first_cell(ends[1])))
     launched = [end.speed == 0.0 for end in ends]
@@ -92,7 +97,7 @@ def pose(way: Way, guess: Estimate, ends: tuple[End, End], cells: int) -> Proble
     inverse = np.ascontiguousarray(1.0 / (way.limits * units))
     x = np.interp(share, guess.share, guess.x) * unit**2
     h = np.diff(share)
-    middles = way.start + way.length * 0.5 * (share[1:] + share[:-1])
+    middles = 0.5 * (share[1:] + share[:-1])
     pieces = way.path.pieces_of(middles).astype(np.float64)
     root = np.sqrt(x)
     bounds = np.stack((np.ones(h.size), root[:-1], root[1:]), axis=1)
@@ -108,10 +113,12 @@ def pose(way: Way, guess: Estimate, ends: tuple[End, End], cells: int) -> Proble
         rows=rows,
         caps=caps,
         bounds=bounds,
+        lines=np.empty((h.size, 0, 6)),
+        cones=np.empty((h.size, 0, 6)),
         guess=x,
     )
     _fill(problem)
-    return problem
+    return problem if way.placed is None else _with_placed(problem, way.placed)
 
 
 def tightened(problem: Problem, use: FloatArray, times: float) -> Problem:
@@ -119,18 +126,22 @@ def tightened(problem: Problem, use: FloatArray, times: float) -> Problem:
 
     Args:
         problem: What was asked.
-        use: How much of x, acceleration and jerk each cell uses, shape (m, 3).
+        use: How much of x, acceleration, jerk and other limits each cell uses, shape (m, 4).
         times: How many times the excess bounds are lowered.
     """
     shrink = 1.0 / np.where(use > 1.0 + 0.5 * _TRIFLE, 1.0 + times * (use - 1.0) + _TRIFLE, 1.0)
     # the acceleration at the begin of a cell is bounded by the rows of the cell before
-    shrink[:-1, 1] = np.minimum(shrink[:-1, 1], shrink[1:, 1])
+    for k in (1, 3):
+        shrink[:-1, k] = np.minimum(shrink[:-1, k], shrink[1:, k])
     bounds = np.ascontiguousarray(problem.bounds * shrink[:, [1, 2, 2]])
     caps = problem.caps * shrink[:, :1]
     if problem.way.cap is not None:
         # a cell ends as fast as it may: the one beside it shall not be slower for its sake
         caps[:, ::2] = problem.caps[:, ::2]
-    return replace(problem, caps=caps, bounds=bounds)
+    lines = problem.lines.copy()
+    lines[:, :, 4] *= shrink[:, 3:]
+    cones = problem.cones / shrink[:, 3:, None]
+    return replace(problem, caps=caps, bounds=bounds, lines=lines, cones=cones)
 
 
 def _in_unit(end: End, unit: float) -> End:
@@ -153,8 +164,7 @@ def _fill(problem: Problem) -> None:
         path.breaks,
         path.coefficients,
         problem.pieces,
-        problem.nodes,
-        problem.way.length,
+        problem.share,
         problem.inverse,
         np.ascontiguousarray(problem.bounds[:, 1:]),
         problem.rows,
@@ -174,12 +184,57 @@ def tool_caps(problem: Problem, shares: FloatArray) -> FloatArray:
     if way.cap is None:
         return np.full((len(nodes) - 1, len(shares)), np.inf)
     at = nodes[:-1, None] + np.diff(nodes)[:, None] * shares
-    s = way.start + way.length * at
-    rate = np.abs(way.cap.rate(s.ravel())).reshape(s.shape)
-    speed = way.cap.between(way.start + way.length * nodes)[:, None]
+    rate = way.cap.rate(at.ravel()).reshape(at.shape)
     with np.errstate(divide="ignore"):
-        caps: FloatArray = (speed / rate * (problem.unit / way.length)) ** 2
+        caps: FloatArray = (way.cap.between(nodes)[:, None] / rate * problem.unit) ** 2
     return caps
+
+
+def _with_placed(problem: Problem, placed: Placed) -> Problem:
+    """Give the problem with torques and what the tool does half-way and at the end of cells."""
+    h = np.diff(problem.share)[:, None]
+    shares = np.linspace(0.0, 1.0, 3)
+    rows = placed.rows(problem.share, shares)
+    # where a joint turns back within a cell its friction may point either way
+    room = np.maximum(rows.room - rows.drag.max(axis=1, keepdims=True), _LEAST_ROOM)
+    lines, cones = [], []
+    for k in (1, 2):
+        z = float(shares[k])
+        push = rows.push[:, k] / h
+        parts = _by_y(push, rows.bend[:, k], z)
+        lines.append(np.stack((*parts, rows.root[:, k], room[:, k], np.full_like(push, z)), axis=2))
+        ahead, bend, across = np.moveaxis(rows.cones[:, k], -1, 0)
+        pair = (*_by_y(ahead / h, bend, z), *_by_y(0.0 * ahead, across, z))
+        cones.append(np.stack(pair, axis=2))
+    with np.errstate(divide="ignore"):
+        caps = np.minimum(problem.caps, 1.0 / rows.square)
+    for k, end in enumerate(problem.ends):
+        if end.is_rest:
+            at = (0, 0) if k == 0 else (-1, 2)
+            caps[at] = min(caps[at], _placed_launch_cap(problem, placed, k))
+    return replace(
+        problem,
+        caps=caps,
+        lines=np.ascontiguousarray(np.concatenate(lines, axis=1)),
+        cones=np.ascontiguousarray(np.concatenate(cones, axis=1)),
+    )
+
+
+def _by_y(push: FloatArray, bend: FloatArray, z: float) -> tuple[FloatArray, ...]:
+    """Give push h d2s/dt2 + bend x at share z of a cell by its y."""
+    return bend, push + 2.0 * z * bend, z * push + z * z * bend
+
+
+def _placed_launch_cap(problem: Problem, placed: Placed, end: int) -> float:
+    """Give the highest x behind the launch (before the landing) that torques and tool allow."""
+    length = float(problem.launches[end])
+    cell = np.array([0.0, length]) if end == 0 else np.array([1.0 - length, 1.0])
+    rows = placed.rows(cell, _LAUNCH_LOOKS)
+    six = 6.0 * (_LAUNCH_LOOKS if end == 0 else _LAUNCH_LOOKS[::-1])[None] * length
+    # with s = j t^3 / 6 and j = 1; slower by k the jerk is a k^3th
+    u, x = np.cbrt(six) * (1.0 - 2.0 * end), np.cbrt(six) ** 4 / 4.0
+    most = max(rows.slower(u, x).max(initial=1e-300), (rows.square * x).max())
+    return float(np.cbrt(6.0 * length) ** 4 / (4.0 * most))
 
 
 def _launch_cap(problem: Problem, end: int) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 from splinearm.arrays import FloatArray
 
 from .smooth_entry import kernels
+from .smooth_placed import Placed
 from .smooth_problem import Problem, slaves_of, tool_caps
 
 _TRIES = ((1.4, 1, 0.6, 3.0), (0.7, 3, 0.3, 1.0), (0.2, 6, 0.3, 1.0), (0.02, 12, 1.0, 10.0))
@@ -28,6 +29,13 @@ _FINER_TOOL = 4
 
 _VAGUE, _FINER = 1e-8, 16
 """Tops that may be misjudged by more than that are looked at in so many times as many places."""
+
+
+_NEAR = 0.8
+"""Share of a limit from which on it matters how high a top is."""
+
+_CUBIC = 0.4
+"""Share of the third difference by which a parabola may be off."""
 
 
 class Answer(NamedTuple):
@@ -64,40 +72,98 @@ def solve(problem: Problem, before: Answer | None = None) -> Answer | None:
     return None
 
 
-def slowed(problem: Problem) -> Answer:
-    """Give a profile that is nowhere quicker than a part of the guess, with all its shape."""
-    share, width, floor, centre = _TRIES[-1]
+def smoothed(problem: Problem, width: int) -> Answer:
+    """Give a profile of the shape of the guess, smoothed over so many cells, however quick."""
+    share, _, floor, centre = _TRIES[-1]
     guess = share * np.minimum(problem.guess, _smoothed(problem.guess, width))
     return _begin(problem, guess, floor, centre)
 
 
 def use_of(problem: Problem, answer: Answer, parts: int) -> FloatArray:
-    """Give the largest share of x, acceleration and jerk limits that each cell uses, shape (m, 3).
+    """Give the largest share of each kind of limits that a cell uses, shape (m, 4).
+
+    They are x, acceleration, jerk, and torques and accelerations of the tool, whose use is the
+    square of how much slower a cell must be to keep them.
 
     Args:
         problem: What was asked.
         answer: The profile.
         parts: In how many parts of each cell it is looked at, and more where it uses most.
     """
-    path, nodes, look = problem.way.path, problem.nodes, kernels().use_into
+    path, look = problem.way.path, kernels().use_into
     use, chosen = np.zeros((len(problem.pieces), 4)), np.ones(len(problem.pieces))
-    about = path.breaks, path.coefficients, problem.pieces, nodes, problem.way.length
+    about = path.breaks, path.coefficients, problem.pieces, problem.share
     look(*about, problem.inverse, answer.y, chosen, float(parts), use)
-    slower = slower_by(use)
     # where the top of a parabola may not be near enough to the top itself
+    slower = slower_by(use * [1.0, 1.0, 1.0, 0.0])
     vague = (use[:, 3] > _VAGUE) & (slower + use[:, 3] > (slower - use[:, 3]).max())
     vague_cells = vague.astype(np.float64)
     look(*about, problem.inverse, answer.y, vague_cells, float(parts * _FINER), use)
     if problem.way.cap is not None:
         use[:, 0] = np.maximum(use[:, 0], _tool_use(problem, answer, parts * _FINER_TOOL))
-    return use[:, :3]
+    use[:, 3] = 0.0
+    if problem.way.placed is not None:
+        _look_at_placed(problem.way.placed, problem.share, answer.y, parts, use)
+    return use
 
 
 def _tool_use(problem: Problem, answer: Answer, parts: int) -> FloatArray:
     """Give the largest share of the x that the tool's speed allows in each cell, shape (m,)."""
     shares = np.linspace(0.0, 1.0, parts + 1)
-    x = answer.y @ np.stack((np.ones_like(shares), 2.0 * shares, shares**2))
-    use = x / tool_caps(problem, shares)
+    use = _x_at(answer.y, shares) / tool_caps(problem, shares)
+    return _tops(use[:, :, None])[:, 0]
+
+
+def _look_at_placed(
+    placed: Placed, nodes: FloatArray, y: FloatArray, parts: int, use: FloatArray
+) -> None:
+    """Write what torques and the tool use of their limits to the columns of ``use``.
+
+    Cells that may use most, as far as can be seen, are looked at again in more places.
+    """
+    found = _placed_use(placed, nodes, y, parts)
+    near = np.maximum(found[:, 0], found[:, 1])
+    vague = found[:, 2]
+    again = np.flatnonzero((vague > _VAGUE) & (near + vague > (near - vague).max()))
+    for run in np.split(again, np.flatnonzero(np.diff(again) > 1) + 1):
+        if run.size:
+            cells = slice(int(run[0]), int(run[-1]) + 1)
+            ends = nodes[cells.start : cells.stop + 1]
+            finer = _placed_use(placed, ends, y[cells], parts * _FINER)
+            found[cells] = np.maximum(found[cells], finer)
+    use[:, 0] = np.maximum(use[:, 0], found[:, 0])
+    use[:, 3] = found[:, 1]
+
+
+def _placed_use(placed: Placed, nodes: FloatArray, y: FloatArray, parts: int) -> FloatArray:
+    """Give the use of speeds and of all else by cells, and by how much it may be misjudged."""
+    shares = np.linspace(0.0, 1.0, parts + 1)
+    rows, x = placed.rows(nodes, shares), np.maximum(_x_at(y, shares), 0.0)
+    u = (y[:, 1:2] + y[:, 2:] * shares) / np.diff(nodes)[:, None]
+    speeds, others = (rows.square * x)[:, :, None], rows.slower(u, x)
+    both = np.concatenate((speeds, others), axis=2)
+    bends = np.where(both.max(axis=1) > _NEAR, np.abs(np.diff(both, 3, axis=1)).max(axis=1), 0.0)
+    return np.stack(
+        (
+            _tops(speeds)[:, 0],
+            _tops(others).max(axis=1, initial=0.0),
+            _CUBIC * bends.max(axis=1),
+        ),
+        axis=1,
+    )
+
+
+def _x_at(y: FloatArray, shares: FloatArray) -> FloatArray:
+    """Give x at shares of cells, shape (m, k)."""
+    x: FloatArray = y @ np.stack((np.ones_like(shares), 2.0 * shares, shares**2))
+    return x
+
+
+def _tops(use: FloatArray) -> FloatArray:
+    """Give how high something at even shares of cells, shape (m, k, uses), rises, (m, uses).
+
+    Between three neighbours it is taken for the parabola through them.
+    """
     middle = use[:, 1:-1]
     bend, tilt = use[:, 2:] - 2.0 * middle + use[:, :-2], 0.5 * (use[:, 2:] - use[:, :-2])
     between = (bend < 0.0) & (np.abs(tilt) < -bend)
@@ -108,7 +174,7 @@ def _tool_use(problem: Problem, answer: Answer, parts: int) -> FloatArray:
 
 def slower_by(use: FloatArray) -> FloatArray:
     """Give by what factor each cell must become slower to stay within limits, shape (m,)."""
-    slower: FloatArray = np.maximum(np.sqrt(use[:, :2].max(axis=1)), np.cbrt(use[:, 2]))
+    slower: FloatArray = np.maximum(np.sqrt(use[:, [0, 1, 3]].max(axis=1)), np.cbrt(use[:, 2]))
     return slower
 
 
@@ -143,8 +209,9 @@ def _measured(problem: Problem, d: FloatArray) -> tuple[FloatArray, FloatArray, 
     """Give the maps from coefficients to y, y, and what rows leave of their bounds."""
     h, cells = np.diff(problem.share), len(problem.pieces)
     maps, y = np.empty((cells, 3, 3)), np.empty((cells, 3))
-    slack = np.empty((cells, 2 * problem.rows.shape[1] + 3))
-    bounds = problem.rows, problem.bounds, problem.caps
+    placed = problem.lines.shape[1] + problem.cones.shape[1]
+    slack = np.empty((cells, 2 * problem.rows.shape[1] + 3 + placed))
+    bounds = problem.rows, problem.bounds, problem.caps, problem.lines, problem.cones
     kernels().begin_into(h, np.array(slaves_of(problem)), d, *bounds, maps, y, slack)
     return maps, y, slack
 
@@ -162,7 +229,8 @@ def _improved(problem: Problem, begin: Answer) -> Answer | None:
         held[inner] = 0.0 if slave > 0.0 else 1.0
     free = problem.launches * [slave > 0.0 for slave in slaves]
     goal = _GAP if problem.way.cap is None else _FINE_GAP
-    about = np.diff(problem.share), free, maps, held, problem.rows, problem.bounds, problem.caps
+    bounds = problem.rows, problem.bounds, problem.caps, problem.lines, problem.cones
+    about = np.diff(problem.share), free, maps, held, *bounds
     if not kernels().improve(*about, goal, d, slack, multiplier, y, np.empty(5)):
         return None
     # between where the solver looks x may still dip below zero; it cannot with no coefficient there

@@ -39,23 +39,14 @@ def _derivatives(
 
 
 @kernel
-def _scaled(
-    breaks: FloatArray,
-    coefficients: FloatArray,
-    piece: int,
-    s: float,
-    length: float,
-    out: FloatArray,
+def _slopes(
+    breaks: FloatArray, coefficients: FloatArray, piece: int, s: float, out: FloatArray
 ) -> None:
-    """Write derivatives by the share of a way of this length; the way itself is the last column."""
+    """Write derivatives by the share of the way; the way itself is the last column."""
     _derivatives(breaks, coefficients, piece, s, out)
-    for c in range(coefficients.shape[2]):
-        out[0, c] *= length
-        out[1, c] *= length * length
-        out[2, c] *= length * length * length
     if out.shape[1] > coefficients.shape[2]:
         c = coefficients.shape[2]
-        out[0, c], out[1, c], out[2, c] = length, 0.0, 0.0
+        out[0, c], out[1, c], out[2, c] = 1.0, 0.0, 0.0
 
 
 @kernel
@@ -64,7 +55,6 @@ def rows_into(
     coefficients: FloatArray,
     pieces: FloatArray,
     s: FloatArray,
-    length: float,
     inverse: FloatArray,
     scale: FloatArray,
     G: FloatArray,
@@ -76,8 +66,7 @@ def rows_into(
         breaks: Ends of the path's pieces.
         coefficients: Of their polynomials, shape (k, degree + 1, n).
         pieces: To which piece each of m cells belongs.
-        s: Nodes, shape (m + 1,).
-        length: Of the whole way.
+        s: Nodes, by the share of the way, shape (m + 1,).
         inverse: 1 / limits of velocity, acceleration and jerk, shape (3, n), or (3, n + 1) if the
             way itself has limits too.
         scale: By which each cell's jerk rows are multiplied, at its two ends, shape (m, 2).
@@ -87,11 +76,11 @@ def rows_into(
     m, n = pieces.size, inverse.shape[1]
     D = np.empty((3, n))
     for i in range(m):
-        h = (s[i + 1] - s[i]) / length
+        h = s[i + 1] - s[i]
         for j in range(3):
             z = 0.5 * j
             at = s[i] + z * (s[i + 1] - s[i])
-            _scaled(breaks, coefficients, int(pieces[i]), at, length, D)
+            _slopes(breaks, coefficients, int(pieces[i]), at, D)
             fastest = 0.0
             for c in range(n):
                 fastest = max(fastest, abs(D[0, c]) * inverse[0, c])
@@ -114,7 +103,6 @@ def use_into(
     coefficients: FloatArray,
     pieces: FloatArray,
     s: FloatArray,
-    length: float,
     inverse: FloatArray,
     Y: FloatArray,
     chosen: FloatArray,
@@ -134,13 +122,13 @@ def use_into(
     for i in range(m):
         if chosen[i] != 1.0:
             continue
-        h = (s[i + 1] - s[i]) / length
+        h = s[i + 1] - s[i]
         out[i, :] = 0.0
         highest[:, :] = 0.0
         for p in range(int(parts) + 1):
             z = p / parts
             at = s[i] + z * (s[i + 1] - s[i])
-            _scaled(breaks, coefficients, int(pieces[i]), at, length, D)
+            _slopes(breaks, coefficients, int(pieces[i]), at, D)
             x = max(Y[i, 0] + 2.0 * z * Y[i, 1] + z * z * Y[i, 2], 0.0)
             v, u, c2 = sqrt(x), (Y[i, 1] + z * Y[i, 2]) / h, Y[i, 2] / (h * h)
             for c in range(n):

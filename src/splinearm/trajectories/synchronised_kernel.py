@@ -63,7 +63,9 @@ def motion_into(
     if request[1] > 0.0:
         T = common(intervals, 0.0 if math.isnan(wanted) else wanted)
     else:
-        T = report[1:].max()
+        T = report[1]
+        for i in range(1, n):
+            T = max(T, report[1 + i])
     report[0] = T
     rows = 1
     for i in range(n):

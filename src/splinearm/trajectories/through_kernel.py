@@ -99,7 +99,10 @@ def _list_moves(free: FloatArray, limits: FloatArray, out: FloatArray) -> int:
     while size < 2 * (m - 2):
         for first in range(1, m - 1, max(size // 2, 1)):
             last = min(first + size, m - 1)
-            if free[first:last].any():
+            some = False
+            for i in range(first, last):
+                some = some or free[i] > 0.0
+            if some:
                 out[k, 0], out[k, 1], out[k, 2], out[k, 3] = first, last, -1, 1
                 k += 1
         size *= 2
@@ -124,7 +127,7 @@ def _propose(
     """Write the states that a move leads to."""
     first, last, joint, which = int(move[0]), int(move[1]), int(move[2]), int(move[3])
     for k in range(first, last):
-        out[k] = states[k]
+        _copy_state(states, out, k)
         if joint >= 0:
             out[k, joint, which] += step * limits[joint, which - 1]
             _admit(out[k, joint], limits[joint], which)
@@ -157,7 +160,7 @@ def _is_better(
     n = limits.shape[0]
     before = after = 0.0
     for k in range(first - 1, last):
-        trial_intervals[k] = intervals[k]
+        _copy_intervals(intervals, trial_intervals, k)
         for i in range(i_first, i_last):
             start = trial_states[k, i] if k >= first else states[k, i]
             goal = trial_states[k + 1, i] if k + 1 < last else states[k + 1, i]
@@ -170,11 +173,26 @@ def _is_better(
     if not after < before * _BETTER:
         return False
     for k in range(first - 1, last):
-        intervals[k] = trial_intervals[k]
+        _copy_intervals(trial_intervals, intervals, k)
         durations[k] = trial_durations[k]
     for k in range(first, last):
-        states[k] = trial_states[k]
+        _copy_state(trial_states, states, k)
     return True
+
+
+@kernel
+def _copy_state(states: FloatArray, out: FloatArray, k: int) -> None:
+    for i in range(states.shape[1]):
+        for order in range(3):
+            out[k, i, order] = states[k, i, order]
+
+
+@kernel
+def _copy_intervals(intervals: FloatArray, out: FloatArray, k: int) -> None:
+    for i in range(intervals.shape[1]):
+        for j in range(INTERVALS):
+            for end in range(2):
+                out[k, i, j, end] = intervals[k, i, j, end]
 
 
 @kernel
