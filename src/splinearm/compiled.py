@@ -62,7 +62,24 @@ def _compiled(function: _Function, *, fastmath: bool | set[str]) -> _Function:
     jit = numba.njit(cache=True, error_model="numpy", fastmath=fastmath)
     compiled: _Function = jit(function)
     _restamp(compiled, function)
+    _generalise(compiled)
     return compiled
+
+
+def _generalise(compiled: Any) -> None:  # noqa: ANN401 - numba's
+    """Let a kernel that another calls with a constant be compiled for any number, and that once.
+
+    By itself numba compiles it for each constant anew, and once more for what is none.
+    """
+    wanted = getattr(compiled, "get_call_template", None)
+    if wanted is None:  # plain Python
+        return
+
+    def template(arguments: Any, keywords: Any) -> Any:  # noqa: ANN401
+        plain = {name: types.unliteral(kind) for name, kind in keywords.items()}
+        return wanted(tuple(types.unliteral(kind) for kind in arguments), plain)
+
+    compiled.get_call_template = template
 
 
 def _restamp(compiled: object, function: Callable[..., Any]) -> None:
@@ -217,7 +234,12 @@ if DIRECT:
 
         return types.voidptr(address), generate
 
-    _inner: Callable[[_Function], _Function] = numba.njit
+    def _inner(function: _Function) -> _Function:
+        """Give what kernels alone call: kept on disk as part of them, not by itself."""
+        compiled: _Function = numba.njit(function)
+        _generalise(compiled)
+        return compiled
+
     _bool = types.ExternalFunction("PyBool_FromLong", types.intp(types.intp))
 
     @_inner

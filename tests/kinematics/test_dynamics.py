@@ -117,6 +117,7 @@ def test_a_batch_is_what_its_members_are(arms, m):
         q, qd, qdd = states(arm, m, m)
         n = arm.n
         dynamics = Dynamics(arm, drives=Drives(viscous=np.ones(n), coulomb=np.ones(n)))
+        some = [i for i in (0, 1, 62, 63, 64, 127, 128, m - 1) if i < m]  # about the blocks' edges
         for ask, motion in (
             (dynamics.inverse, (q, qd, qdd)),
             (dynamics.gravity_torque, (q,)),
@@ -126,9 +127,10 @@ def test_a_batch_is_what_its_members_are(arms, m):
             (dynamics.forward, (q, qd, qdd)),
         ):
             batch = ask(*motion)
-            members = np.array([ask(*(rows[i] for rows in motion)) for i in range(m)])
+            assert len(batch) == m
+            members = np.array([ask(*(rows[i] for rows in motion)) for i in some])
             scale = max(1.0, np.abs(members).max())
-            np.testing.assert_allclose(batch, members, rtol=0, atol=1e-13 * scale)
+            np.testing.assert_allclose(batch[some], members, rtol=0, atol=1e-13 * scale)
 
 
 def test_leading_axes_are_broadcast(arms):

@@ -8,8 +8,6 @@ from splinearm.joints import JointKind
 from splinearm.kinematics import DHConvention, DHLink, general_six, structure
 from splinearm.kinematics.closed_form import ArmClass, ClosedForm, branches
 
-pytestmark = pytest.mark.kernel
-
 ANY = ("meeting wrist", "meeting wrist, base 12", "meeting wrist, oblique", "any", "random")
 
 
@@ -145,6 +143,7 @@ def test_the_door_names_branches_by_number_nearest_first(arms):
     assert len(set(found.names)) == len(found)
 
 
+@pytest.mark.kernel
 def test_a_pose_out_of_reach_has_no_branch_and_says_why(arms):
     T = np.eye(4)
     T[0, 3] = 5.0

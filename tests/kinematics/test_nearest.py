@@ -4,9 +4,8 @@ import pytest
 from splinearm.kinematics import Pose, quaternion
 from splinearm.kinematics.nearest import nearest_pose
 
-pytestmark = pytest.mark.kernel
 
-
+@pytest.mark.kernel
 def test_a_pose_within_reach_is_its_own_nearest(widowx):
     target = Pose.from_matrix(widowx.fk(np.full(6, 0.3)))
     found = nearest_pose(widowx, target)
@@ -14,6 +13,7 @@ def test_a_pose_within_reach_is_its_own_nearest(widowx):
     np.testing.assert_allclose(found.pose.matrix(), target.matrix(), atol=3e-6)
 
 
+@pytest.mark.kernel
 def test_the_nearest_position_is_on_the_edge_of_reach(planar):
     found = nearest_pose(planar, [0.0, 0.8, 0.06])
     np.testing.assert_allclose(found.pose.p, [0.0, 0.55, 0.06], atol=1e-6)
@@ -21,6 +21,7 @@ def test_the_nearest_position_is_on_the_edge_of_reach(planar):
     assert found.reason.startswith("out of reach by 250 mm")
 
 
+@pytest.mark.kernel
 def test_the_rate_of_exchange_moves_the_nearest_pose_between_place_and_direction(widowx):
     target = Pose([0.6, 0.2, 0.1], [0.0, 1.0, 0.0, 0.0])
     found = [nearest_pose(widowx, target, radian_length=length) for length in (None, 0.05, 0.3, 2)]
@@ -58,6 +59,7 @@ def test_nothing_that_can_be_reached_is_nearer(widowx, joints_inside):
         ({"position_tolerance": np.nan}, "position_tolerance: want a finite number"),
     ],
 )
+@pytest.mark.kernel
 def test_arguments_that_are_none_are_refused(planar, arguments, message):
     with pytest.raises(ValueError, match=message):
         nearest_pose(planar, **{"target": [0.4, 0.1, 0.06], **arguments})

@@ -7,8 +7,6 @@ from splinearm.errors import KinematicsError
 from splinearm.kinematics import DHConvention, DHLink, swivel
 from splinearm.kinematics.closed_form import ClosedForm, branches
 
-pytestmark = pytest.mark.kernel
-
 # KUKA LBR iiwa 7 R800, after its data sheet: a, alpha in right angles, d of standard rows
 IIWA = ((0, -1, 0.34), (0, 1, 0), (0, 1, 0.4), (0, -1, 0), (0, -1, 0.4), (0, 1, 0), (0, 0, 0.126))
 # made up: oblique axes, an elbow and a wrist with offsets, joints that count from elsewhere
@@ -53,6 +51,7 @@ def check_swivel(arm, rng, m):
             assert away(found[:k], found[k]).min() > 1e-7
 
 
+@pytest.mark.kernel
 @pytest.mark.parametrize("name", ARMS)
 def test_every_branch_with_a_swivel_is_found(arms, name, rng_of):
     check_swivel(arms[name], rng_of(1), 30)
@@ -64,6 +63,7 @@ def test_so_it_is_on_ten_thousand_poses(arms, name, rng_of):
     check_swivel(arms[name], rng_of(2), 10_000)
 
 
+@pytest.mark.kernel
 @pytest.mark.parametrize("name", ARMS)
 def test_the_swivel_is_the_angle_from_the_first_axis_to_the_elbow_about_the_way(arms, name):
     arm = arms[name]
@@ -78,6 +78,7 @@ def test_the_swivel_is_the_angle_from_the_first_axis_to_the_elbow_about_the_way(
     assert swivel.swivel_of(arm, wrist) == pytest.approx(angle, abs=1e-12)
 
 
+@pytest.mark.kernel
 def test_an_elbow_straight_above_has_no_swivel_and_one_to_the_left_a_quarter_turn(arms):
     arm = arms["iiwa"]
     above = np.array((0.0, 0.5, 0.0, -1.2, 0.0, 0.0, 0.0))
@@ -95,6 +96,7 @@ def test_an_elbow_straight_above_has_no_swivel_and_one_to_the_left_a_quarter_tur
         np.testing.assert_allclose(aside, side, atol=1e-12)
 
 
+@pytest.mark.kernel
 def test_where_the_swivel_has_no_meaning_it_is_refused(arms):
     arm = arms["iiwa"]
     upright = arm.fk(np.array((0.3, 0.6, 0.0, 1.2, 0.1, 0.5, 0.2)))
@@ -109,6 +111,7 @@ def test_where_the_swivel_has_no_meaning_it_is_refused(arms):
         swivel.swivel_of(arm, np.zeros((2, 7)))
 
 
+@pytest.mark.kernel
 def test_arms_without_an_elbow_between_shoulder_and_wrist_have_none(closed_arms, random_arm):
     for arm in (closed_arms["puma"], random_arm(1, 7, DHConvention.STANDARD, slides=False)):
         with pytest.raises(KinematicsError, match="has no swivel"):
@@ -117,6 +120,7 @@ def test_arms_without_an_elbow_between_shoulder_and_wrist_have_none(closed_arms,
         branches(closed_arms["puma"], np.eye(4), given={"swivel": 0.0})
 
 
+@pytest.mark.kernel
 @pytest.mark.parametrize("name", ARMS)
 def test_batches_with_a_swivel_agree_with_single_calls(arms, name, rng_of):
     arm = arms[name]
@@ -129,6 +133,7 @@ def test_batches_with_a_swivel_agree_with_single_calls(arms, name, rng_of):
         assert np.isnan(answers[n:]).all()
 
 
+@pytest.mark.kernel
 def test_branches_with_a_swivel_have_names(arms):
     q = np.array((0.3, -0.4, 0.9, -1.5, 1.1, 0.7, 0.2))
     for arm in arms.values():
@@ -160,11 +165,13 @@ def test_so_it_may_in_a_thousand_poses(arms, joint, rng_of):
     check_given(arms["panda"], joint, rng_of(10), 1000)
 
 
+@pytest.mark.kernel
 @pytest.mark.parametrize("joint", [name for name in JOINTS if name != "joint4"])
 def test_any_joint_but_the_elbow_of_an_arm_with_two_spheres_may_be_given(arms, joint, rng_of):
     check_given(arms["iiwa"], joint, rng_of(11), 12)
 
 
+@pytest.mark.kernel
 def test_the_elbow_of_two_spheres_says_nothing_that_the_pose_does_not(arms):
     arm, q = arms["iiwa"], np.array((0.3, -0.4, 0.9, -1.5, 1.1, 0.7, 0.2))
     T = arm.fk(q)
@@ -206,6 +213,7 @@ def test_batches_with_a_joint_given_agree_with_single_calls(arms, joint, rng_of)
         assert np.isnan(answers[n:]).all()
 
 
+@pytest.mark.kernel
 def test_seven_joints_want_something_given(arms):
     arm = arms["panda"]
     with pytest.raises(KinematicsError, match="give the position of one joint, or the swivel"):

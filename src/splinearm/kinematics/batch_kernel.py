@@ -56,7 +56,8 @@ def frames_batch_into(O: FloatArray, L: FloatArray, Q: FloatArray, out: FloatArr
         for k in range(n):
             load(O[k, 12], Q[start : start + width, k], W)
             move(O[k], W)
-            V[:] = W
+            for i in range(12 * BLOCK):
+                V[i] = W[i]
             step(L[k], V)
             for i in range(width):
                 _store(V, i, out[start + i, k])
@@ -164,18 +165,21 @@ def _store(W: FloatArray, i: int, T: FloatArray) -> None:
 @fast_kernel
 def _keep(W: FloatArray, J: FloatArray) -> None:
     """Write the origin (rows 0 to 2) and axis (rows 3 to 5) of the joint the block stands at."""
-    J[: 3 * BLOCK] = W[9 * BLOCK : 12 * BLOCK]
-    J[3 * BLOCK : 4 * BLOCK] = W[2 * BLOCK : 3 * BLOCK]
-    J[4 * BLOCK : 5 * BLOCK] = W[5 * BLOCK : 6 * BLOCK]
-    J[5 * BLOCK : 6 * BLOCK] = W[8 * BLOCK : 9 * BLOCK]
+    for i in range(3 * BLOCK):
+        J[i] = W[9 * BLOCK + i]
+    for i in range(BLOCK):
+        J[3 * BLOCK + i] = W[2 * BLOCK + i]
+        J[4 * BLOCK + i] = W[5 * BLOCK + i]
+        J[5 * BLOCK + i] = W[8 * BLOCK + i]
 
 
 @fast_kernel
 def _column(kind: float, W: FloatArray, J: FloatArray) -> None:
     """Make the columns of a joint of its origins and axes in ``J`` and the tool points."""
     if kind != 0.0:
-        J[: 3 * BLOCK] = J[3 * BLOCK :]
-        J[3 * BLOCK :] = 0.0
+        for i in range(3 * BLOCK):
+            J[i] = J[3 * BLOCK + i]
+            J[3 * BLOCK + i] = 0.0
         return
     for i in range(BLOCK):
         x = W[9 * BLOCK + i] - J[i]

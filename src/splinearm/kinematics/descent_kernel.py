@@ -299,7 +299,8 @@ def descend(
     slopes, misses, places, A, V = work
     n = len(q)
     here = 0
-    places[0, :] = q
+    for k in range(n):
+        places[0, k] = q[k]
     cost, position, angle = look(O, G, units, places[0], slopes[0], misses[0])
     kept_cost, kept_position, kept_angle = np.inf, 0.0, 0.0
     damping, stalled, nudged, at_rest = _FIRST_DAMPING, 0, False, False
@@ -367,5 +368,6 @@ def descend(
             break
     if kept_cost <= cost:
         here, cost, position, angle = 2, kept_cost, kept_position, kept_angle
-    q[:] = places[here]
+    for k in range(n):
+        q[k] = places[here, k]
     return cost, position, angle, iteration, at_rest or (position <= G[14] and angle <= G[15])

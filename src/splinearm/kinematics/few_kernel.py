@@ -43,11 +43,13 @@ def solve(
     for k in range(n):
         angles[k] = G[k, 4] + G[k, 5] * seed[k]
     work = np.zeros((16, 14))
-    p = np.ascontiguousarray(A[:, 3])
+    p, up = np.empty(3), np.empty(3)
+    for i in range(3):
+        p[i], up[i] = A[i, 3], B[2, i]
     if free == NOTHING:
         found = whole(P, five, B, angles, work, tolerance)
     elif free == YAW:
-        found = level(P, five, p, B[2, :3].copy(), tool, angles, work, tolerance)
+        found = level(P, five, p, up, tool, angles, work, tolerance)
     elif free == ROLL:
         found = pointed(P, p, B, tool, angles, work, tolerance)
     elif free == ORIENTATION:

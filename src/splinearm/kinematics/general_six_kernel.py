@@ -351,7 +351,8 @@ def _from_starts(G: FloatArray, B: FloatArray, q: FloatArray, n: int) -> int:
 def _all(G: FloatArray, T: FloatArray, seed: FloatArray, q: FloatArray) -> int:
     """Give all branches of a pose in ``q`` and their number."""
     K, B, angles = np.empty((6, 3, 4)), np.empty((3, 4)), np.empty(6)
-    least = np.full(1, np.inf)
+    least = np.empty(1)
+    least[0] = np.inf
     enter(G, T, K, B)
     n = 0
     for i in range(WAYS, len(G)):

@@ -34,9 +34,11 @@ _SEED_STEP, _SEED_ITERATIONS = 0.2, 100
 @kernel
 def between(a: FloatArray, b: FloatArray, turn: FloatArray, share: float, G: FloatArray) -> None:
     """Write the goal at a share of the way from goal a to goal b, ``turn`` (3,) apart."""
-    G[12:] = b[12:]
+    for i in range(12, 16):
+        G[i] = b[i]
     if share >= 1.0:
-        G[:12] = b[:12]
+        for i in range(12):
+            G[i] = b[i]
         return
     for i in range(3):
         G[i] = a[i] + share * (b[i] - a[i])
@@ -44,7 +46,8 @@ def between(a: FloatArray, b: FloatArray, turn: FloatArray, share: float, G: Flo
         return
     angle = sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2])
     if angle < 1e-12:
-        G[3:12] = a[3:12]
+        for i in range(3, 12):
+            G[i] = a[i]
         return
     x, y, z = turn[0] / angle, turn[1] / angle, turn[2] / angle
     c, s = cos(share * angle), sin(share * angle)
@@ -101,7 +104,8 @@ def follow(
     while done < 1.0:
         ahead = min(done + step, 1.0)
         between(a, b, turn, ahead, G)
-        there[:] = q
+        for k in range(n):
+            there[k] = q[k]
         met = _arrives(O, B, G, there, work)
         largest = 0.0
         for k in range(n):
@@ -109,13 +113,15 @@ def follow(
         smooth = met and largest <= _LARGEST
         if smooth and largest > _TINY:
             between(a, b, turn, 0.5 * (done + ahead), G)
-            half[:] = q
+            for k in range(n):
+                half[k] = q[k]
             smooth = _arrives(O, B, G, half, work)
             for k in range(n):
                 off = abs(half[k] - 0.5 * (q[k] + there[k])) / B[2, k]
                 smooth = smooth and off <= _BEND * largest
         if smooth:
-            q[:] = there
+            for k in range(n):
+                q[k] = there[k]
             done = ahead
             step *= 2.0
         else:
@@ -136,7 +142,8 @@ def follow_all(
     n = nodes.shape[1]
     work = workspace(n)
     for i in range(len(nodes)):
-        out[i, :n] = nodes[i]
+        for k in range(n):
+            out[i, k] = nodes[i, k]
         out[i, n] = follow(O, B, a, b, out[i, :n], work)
 
 
@@ -174,7 +181,8 @@ def candidates(
         if left[chosen] == np.inf:
             continue
         left[chosen] = np.inf
-        out[count] = starts[chosen]
+        for k in range(n):
+            out[count, k] = starts[chosen, k]
         _, position, angle, _, _ = descend(
             O, B[0], B[1], B[2], G, out[count], step, iterations, work
         )

@@ -179,7 +179,8 @@ def search(
             if trial > nearest:
                 for _ in range(stride - 1):
                     start = _pop(left, least)
-            q[:] = starts[start]
+            for k in range(n):
+                q[k] = starts[start, k]
             step, most = how[STEP], int(how[FIRST_ITERATIONS])
             lower, upper = B[3], B[4]
         row[n], row[n + 1], row[n + 2], taken, at_rest = descend(
@@ -202,7 +203,8 @@ def search(
             break
         rests[best, n + 4] = 2.0
         row = rests[count]
-        row[:n] = rests[best, :n]
+        for k in range(n):
+            row[k] = rests[best, k]
         row[n], row[n + 1], row[n + 2], taken, at_rest = descend(
             O, B[3], B[4], units, G, row[:n], how[STEP], int(how[LAST_ITERATIONS]), work
         )
@@ -331,16 +333,19 @@ def search_batch(
     n = B.shape[1]
     work = workspace(n)
     left, least = np.empty(len(starts)), np.empty(STRIPES)
-    rests = np.empty((2 + restarts.max() + int(how[CONTINUED]), n + 5))
+    most = 0
+    for i in range(len(goals)):
+        most = max(most, restarts[i])
+    rests = np.empty((2 + most + int(how[CONTINUED]), n + 5))
     for i in range(len(goals)):
         seed = seeds[i] if len(seeds) > 1 else seeds[0]
         met, count, steps = search(
             O, B, goals[i], starts, tools, seed, how, restarts[i], rests, left, least, work
         )
-        answers[i, :n] = np.nan
+        row = rests[count - 1]
+        for k in range(n):
+            answers[i, k] = row[k] if met else np.nan
         if met:
-            row = rests[count - 1]
-            answers[i, :n] = row[:n]
             answers[i, n], answers[i, n + 1] = row[n + 1], row[n + 2]
         else:
             answers[i, n] = answers[i, n + 1] = np.inf
