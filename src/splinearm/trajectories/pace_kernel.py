@@ -23,10 +23,12 @@ from splinearm.compiled import kernel
 
 _SLACK = 1e-9
 _MOST_STEPS = 400
+_SWING = 0.02
+"""By so much may a pace swing past the one that was asked for."""
 _GOALS = 5
 _NEARER = 0.4
 _EFFORTS = 5
-_AGAIN = 4
+_AGAIN = 8
 """So many steps of a way are taken before a quicker one is looked for."""
 _LESS = 0.4
 _ROUNDING = 1e-12
@@ -179,9 +181,13 @@ def reaches(
     edges: FloatArray, box: FloatArray, limits: FloatArray, begin: FloatArray, target: float,
     effort: float, most: float, h: float, work: FloatArray,
 ) -> bool:  # fmt: skip
-    """Tell whether a pace of at most 1 is reached from a state by such pushes within the limits."""
+    """Tell whether a pace of at most 1 is reached from a state by such pushes within the limits.
+
+    A way that swings far past it does not count.
+    """
     here, after = work[0], work[1]
     copy(begin, here)
+    side = 1.0 if begin[1] >= target else -1.0
     for _ in range(_MOST_STEPS):
         if (here[2] == 0.0 and here[1] == target) or here[0] >= edges[-1]:
             return True
@@ -189,6 +195,8 @@ def reaches(
         copy(here, after)
         advance(after, w, h)
         clean(after, target)
+        if side * (target - after[1]) > _SWING:
+            return False
         if not step_is_allowed(edges, box, limits, here, after, w):
             return False
         copy(after, here)
