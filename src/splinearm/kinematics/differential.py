@@ -200,7 +200,7 @@ class _Calls(NamedTuple):
 
 @lru_cache(maxsize=16)
 def _calls(arm: Arm) -> _Calls:
-    from splinearm.compiled import bind
+    from splinearm.direct import bind
 
     from . import differential_kernel as kernel
 

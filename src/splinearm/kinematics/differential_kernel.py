@@ -9,7 +9,8 @@ import math
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import MODEL, WRITE, answer, fast_kernel, matrix, vector
+from splinearm.compiled import fast_kernel
+from splinearm.direct import MODEL, WRITE, answer, matrix, vector
 
 from .dynamics_kernel import cross
 from .forward_kernel import jacobian_into
@@ -136,7 +137,7 @@ def orthogonalize(M: FloatArray, R: FloatArray) -> None:
 
 
 def rate_call(model: int, arguments: int, count: int) -> int:
-    """Do as `rate_into` does with (q, qd, D), for the arm it is bound to; see `compiled.bind`."""
+    """Do as `rate_into` does with (q, qd, D), for the arm it is bound to; see `direct.bind`."""
     given = model, arguments
     return answer(
         count == 3

@@ -1,9 +1,9 @@
-"""Rigid-body dynamics as Python calls them for one state; see `compiled.bind`.
+"""Rigid-body dynamics as Python calls them for one state; see `direct.bind`.
 
 Each is bound to the model A of `dynamics_kernel` and answers whether it has.
 """
 
-from splinearm.compiled import MODEL, WRITE, answer, matrix, vector
+from splinearm.direct import MODEL, WRITE, answer, matrix, vector
 
 from .dynamics_kernel import coriolis_into, forward_into, inverse_into, mass_matrix_into
 

@@ -68,7 +68,7 @@ def bare(O: FloatArray) -> Bare:
     """Give the kernels of single calls bound to one arm, loading them if need be."""
     if len(O) == 0:
         return NOT_LOADED
-    from splinearm.compiled import bind
+    from splinearm.direct import bind
 
     from . import forward_kernel
 

@@ -8,7 +8,8 @@ import math
 from typing import TypeAlias
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import MODEL, WRITE, answer, fast_kernel, matrix, vector
+from splinearm.compiled import fast_kernel
+from splinearm.direct import MODEL, WRITE, answer, matrix, vector
 
 from .sine_kernel import sine_and_cosine
 
@@ -161,7 +162,7 @@ def _row(o: tuple[float, ...], x: float, y: float, z: float) -> tuple[float, flo
 
 
 def fk_call(model: int, arguments: int, count: int) -> int:
-    """Do as `fk_into` does with (q, T), for the arm it is bound to; see `compiled.bind`."""
+    """Do as `fk_into` does with (q, T), for the arm it is bound to; see `direct.bind`."""
     given = model, arguments
     return answer(
         count == 2 and fk_into(matrix(given, MODEL), vector(given, 0), matrix(given, 1, WRITE))

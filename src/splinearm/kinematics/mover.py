@@ -31,7 +31,7 @@ class Single(NamedTuple):
 
 def single(model: FloatArray) -> Single:
     """Load the kernels for one state, compiling them if need be, and bind them to a model."""
-    from splinearm.compiled import bind
+    from splinearm.direct import bind
 
     from . import dynamics_call_kernel as call
 

@@ -11,7 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import MODEL, WRITE, answer, fast_kernel, kernel, matrix, vector
+from splinearm.compiled import fast_kernel, kernel
+from splinearm.direct import MODEL, WRITE, answer, matrix, vector
 
 from .descent_kernel import Workspace, cut, look
 from .descent_kernel import descend as descend
@@ -291,7 +292,7 @@ def search_alone(
 
 
 def search_call(model: int, arguments: int, count: int) -> int:
-    """Do as `search_alone` does, for the arm it is bound to; see `compiled.bind`."""
+    """Do as `search_alone` does, for the arm it is bound to; see `direct.bind`."""
     given = model, arguments
     return answer(
         count == 12

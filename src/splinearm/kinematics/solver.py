@@ -126,7 +126,7 @@ def prepare() -> None:
 
     Searches do so by themselves when it pays. Call this before work that may not stall.
     """
-    from splinearm.compiled import bind
+    from splinearm.direct import bind
 
     kernel = load()
     packed = np.zeros((2, 13))
@@ -224,7 +224,7 @@ def inquiry(
     arm: Arm, tolerances: tuple[float, float], restarts: int, *, seeded: bool, posed: bool
 ) -> Inquiry:
     """Give a search on the kernels for all targets of a kind; the tolerances are m and rad."""
-    from splinearm.compiled import bind
+    from splinearm.direct import bind
 
     kernel = load()
     model = model_of(arm, restarts)
