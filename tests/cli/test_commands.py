@@ -1,6 +1,7 @@
 """The commands on good input."""
 
 import csv
+import logging
 import os
 import re
 import signal
@@ -204,3 +205,13 @@ def test_a_run_is_kept_for_foxglove(cli):
     with (cli.folder / "run.mcap").open("rb") as stream:
         topics = {channel.topic for _, channel, _ in make_reader(stream).iter_messages()}
     assert topics == {"/joint_states", "/joint_commands", "/loop"}
+
+
+def test_on_a_terminal_it_is_said_that_kernels_are_compiled(cli, monkeypatch):
+    said = logging.getLogger("splinearm.compiled")
+    monkeypatch.setattr(said, "level", logging.NOTSET)
+    assert cli("arms") == DONE
+    assert said.level == logging.NOTSET
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    assert cli("arms") == DONE
+    assert said.level == logging.INFO

@@ -61,6 +61,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         level=logging.INFO if args.verbose else logging.WARNING,
         format="%(levelname)s %(name)s: %(message)s",
     )
+    if sys.stderr.isatty():
+        # the first plan on a machine is silent for ten seconds otherwise
+        logging.getLogger("splinearm.compiled").setLevel(logging.INFO)
     try:
         return int(args.run(args))
     except SplinearmError as error:

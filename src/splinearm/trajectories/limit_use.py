@@ -11,7 +11,7 @@ from splinearm.joints import JointLimits
 from .constraint import SpeedCap
 from .joint_path import JointPath
 from .limit import MotionLimits
-from .pacer import load_pacer
+from .pacer import load_torque_pacer
 from .time_law import TimeLaw
 from .tool_row import sampled_limits
 
@@ -77,7 +77,7 @@ def limit_use(
     if cells == 0:
         return LimitUse(law=law, limits=tuple(names), shares=np.zeros((0, len(names))))
     motion = np.empty((3, cells, len(_LOOKS), path.n))
-    load_pacer().motion(path.breaks, path.coefficients, law.s, law.x, _LOOKS, motion)
+    load_torque_pacer().motion(path.breaks, path.coefficients, law.s, law.x, _LOOKS, motion)
     _, qd, qdd = np.abs(motion).max(axis=2)
     shares = [qdd / joints.qdd_max]
     shares += [limit.on(law.s).use(law.x) for limit in sampled]

@@ -6,29 +6,44 @@ from typing import NamedTuple
 
 
 class Pacer(NamedTuple):
-    """The entries of `row_kernel`, `reachability_kernel` and `torque_kernel`."""
+    """The entries of `row_kernel` and `reachability_kernel`."""
 
     joint_rows: Callable[..., None]
     fastest: Callable[..., int]
     most_used: Callable[..., float]
+
+
+class TorquePacer(NamedTuple):
+    """The entries of `torque_kernel`."""
+
     motion: Callable[..., None]
-    torque_lines: Callable[..., None]
-    torque_use: Callable[..., None]
+    lines: Callable[..., None]
+    use: Callable[..., None]
 
 
 @cache
 def load_pacer() -> Pacer:
-    """Load the kernels, compiling them if need be."""
+    """Load the kernels of every law, compiling them if need be."""
     from splinearm.compiled import entry, inputs, outputs
 
     from . import reachability_kernel as reachability
     from . import row_kernel as row
-    from . import torque_kernel as torque
 
     return Pacer(
         entry(row.joint_rows_into, *inputs(1, 3, 1, 2), *outputs(1, 3)),
         entry(reachability.fastest_into, *inputs(3, 3, 3, 1, 1), *outputs(1)),
         entry(reachability.most_used, *inputs(3, 3, 3, 1)),
+    )
+
+
+@cache
+def load_torque_pacer() -> TorquePacer:
+    """Load the kernels of laws that torques limit, compiling them if need be."""
+    from splinearm.compiled import entry, inputs, outputs
+
+    from . import torque_kernel as torque
+
+    return TorquePacer(
         entry(torque.motion_into, *inputs(1, 3, 1, 1, 1), *outputs(4)),
         entry(torque.torque_lines_into, *inputs(4, 2, 1, 2, 1), *outputs(3, 4, 1)),
         entry(torque.torque_use_into, *inputs(3, 3, 2), *outputs(2)),

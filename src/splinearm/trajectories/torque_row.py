@@ -18,7 +18,7 @@ from splinearm.kinematics.dynamics import Drives, Dynamics
 
 from .joint_path import JointPath
 from .limit import MotionLimits
-from .pacer import load_pacer
+from .pacer import load_torque_pacer
 from .sampled_row import SHARES, Lines
 from .scratch import scratch
 
@@ -101,7 +101,7 @@ class TakenTorque:
         """Give what torques allow, each tightened by ``ease``, shape (cells, n)."""
         cells, n = ease.shape
         lines, alone = scratch("torque_lines", 2, cells, 2, 6 * n), np.empty(cells)
-        load_pacer().torque_lines(
+        load_torque_pacer().lines(
             self._taken, self._drive, self._s, ease, ceiling, self._reference, lines, alone
         )
         return Lines(lines[0], lines[1], alone)
@@ -123,13 +123,13 @@ class TakenTorque:
         q, qd, qdd = self._motion("torque_looks", x, shares)
         torque = self._torque.dynamics.inverse(q, qd, qdd, out=scratch("torque_out", *q.shape))
         use = np.empty((len(x) - 1, q.shape[2]))
-        load_pacer().torque_use(torque, qd, self._drive, use)
+        load_torque_pacer().use(torque, qd, self._drive, use)
         return use
 
     def _motion(self, name: str, x: FloatArray, shares: FloatArray) -> FloatArray:
         path, s = self._torque.path, self._s
         out = scratch(name, 3, len(s) - 1, len(shares), path.n)
-        load_pacer().motion(path.breaks, path.coefficients, s, x, shares, out)
+        load_torque_pacer().motion(path.breaks, path.coefficients, s, x, shares, out)
         return out
 
     def _refuse_weak(self) -> None:
