@@ -1,12 +1,16 @@
 """How the command line shows things: tables, progress, one console."""
 
+import sys
 from collections.abc import Sequence
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-console = Console()
+_PIPED_WIDTH = 160
+"""Columns of what goes to a file or another program, where nothing says how wide it is."""
+
+console = Console(width=None if sys.stdout.isatty() else _PIPED_WIDTH)
 """Where commands print."""
 
 
@@ -15,7 +19,8 @@ def table(columns: Sequence[str], rows: Sequence[Sequence[str]], title: str | No
     result = Table(title=title, title_justify="left")
     for i, name in enumerate(columns):
         numeric = i > 0 and all(_is_number(row[i]) for row in rows)
-        result.add_column(name, justify="right" if numeric else "left")
+        # on a narrow terminal words go on in the next line; cut off they would be lost
+        result.add_column(name, justify="right" if numeric else "left", overflow="fold")
     for row in rows:
         result.add_row(*row)
     return result
