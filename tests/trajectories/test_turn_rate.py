@@ -58,7 +58,7 @@ def test_the_even_curve_turns_at_one_rate(make_chain, orientation_differences, c
     bent = np.linalg.norm(here.alpha, axis=1)
     assert (np.abs(np.sum(here.omega * here.alpha, axis=1)) < 1e-10 * (1.0 + bent)).all()
     # where a curve nearly rests it bends sharply: differences are right elsewhere
-    step = 1e-3 * even.domain[1]
+    step = 2e-4 * even.domain[1]
     calm = (bent < 5.0) & (np.abs(at[:, None] - even.breaks).min(axis=1) > 4.0 * step)
     omega, alpha = orientation_differences(even, at[calm], step)
     assert np.allclose(here.omega[calm], omega, rtol=0, atol=1e-5)
