@@ -1,10 +1,17 @@
 """What tests of more than one room share."""
 
+import os
 import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# the same examples in every run, so that a change is judged by itself; HYPOTHESIS_PROFILE=default
+# draws new ones
+settings.register_profile("check", derandomize=True)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "check"))
 
 DOCS = Path(__file__).parents[1] / "docs"
 
