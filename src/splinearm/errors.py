@@ -13,11 +13,16 @@ servos do is one of these; each keeps its facts as fields in SI and speaks in th
     │   ├── LimitError            a motion would break a limit of a joint
     │   │   └── HoldError         a joint cannot hold the arm somewhere on its path
     │   └── CurveError            a curve that cannot be made or asked there
+    ├── ToolpathError
+    │   ├── DrawingError          a drawing cannot be read or cut
+    │   ├── GougeError            a toolpath would cut into the part
+    │   └── GcodeError            an NC program says what cannot be done
     ├── BusError
     │   ├── PortError             the serial port cannot be used
     │   ├── BusTimeoutError       a servo does not answer (also a ``TimeoutError``)
     │   ├── PacketError           bytes came that were not the awaited ones
     │   └── ServoError            a servo refused, reported a fault or is not as the file says
+    │       └── HealthError       a servo is too hot, badly fed or overloaded to go on
     └── MotionError
         ├── StartError            the arm is not where the motion starts
         ├── FollowingError        the arm does not keep up with the motion
@@ -202,6 +207,67 @@ class CurveError(TrajectoryError):
         super().__init__(f"{where}: {what}" if where else what)
 
 
+class ToolpathError(SplinearmError):
+    """Base of what goes wrong between a drawing and a cut part."""
+
+
+class DrawingError(ToolpathError):
+    """A drawing cannot be read or cut."""
+
+    def __init__(self, file: str, where: str, reason: str) -> None:
+        """Take the facts.
+
+        Args:
+            file: The drawing.
+            where: The entity, line or attribute that is wrong; "" for the whole file.
+            reason: What is wrong and what would help.
+        """
+        self.file = file
+        self.where = where
+        self.reason = reason
+        super().__init__(f"{file}: {where}: {reason}" if where else f"{file}: {reason}")
+
+
+class GougeError(ToolpathError):
+    """A toolpath would cut into the part."""
+
+    def __init__(self, where: tuple[float, float], depth: float, remedy: str = "") -> None:
+        """Take the facts.
+
+        Args:
+            where: The place, m.
+            depth: How deep it would cut, m.
+            remedy: What would help.
+        """
+        self.where = where
+        self.depth = depth
+        x, y = where
+        super().__init__(
+            f"the toolpath would cut {depth * 1e3:.6g} mm into the part at "
+            f"({x * 1e3:.6g}, {y * 1e3:.6g}) mm" + (f"; {remedy}" if remedy else "")
+        )
+
+
+class GcodeError(ToolpathError):
+    """An NC program says what cannot be understood or done."""
+
+    def __init__(self, file: str, line: int, word: str, reason: str) -> None:
+        """Take the facts.
+
+        Args:
+            file: The program.
+            line: The line, from 1.
+            word: The word in it that is wrong; "" for the whole line.
+            reason: What is wrong and what would help.
+        """
+        self.file = file
+        self.line = line
+        self.word = word
+        self.reason = reason
+        at = f"{file}:{line}: {word}: " if word else f"{file}:{line}: "
+        super().__init__(at + reason)
+
+
 class BusError(SplinearmError):
     """Base of what goes wrong between the computer and the servos."""
 
@@ -273,6 +339,48 @@ class ServoError(BusError):
         self.alert = alert
         self.name = name
         super().__init__(f"servo {servo_id}{f' ({name})' if name else ''}: {reason}")
+
+
+class HealthError(ServoError):
+    """A servo is too hot, badly fed or overloaded to go on; it still holds."""
+
+    def __init__(
+        self,
+        servo_id: int,
+        joint: str,
+        quantity: str,
+        value: float,
+        limit: float,
+        *,
+        unit: str,
+        remedy: str,
+        name: str = "",
+    ) -> None:
+        """Take the facts.
+
+        Args:
+            servo_id: The servo.
+            joint: The joint that it moves.
+            quantity: "temperature", "supply", "current" or "load".
+            value: What it is, in ``unit``.
+            limit: From where on the arm stops, in ``unit``.
+            unit: "degC", "V", "A" or "%".
+            remedy: What would help.
+            name: What the arm file calls the servo.
+        """
+        relation = "at or below" if quantity == "supply" and value <= limit else "at or above"
+        super().__init__(
+            servo_id,
+            f"joint {joint!r}: {quantity} {value:.4g} {unit} is {relation} {limit:.4g} {unit}, "
+            f"where the arm stops; {remedy}",
+            name=name,
+        )
+        self.joint = joint
+        self.quantity = quantity
+        self.value = value
+        self.limit = limit
+        self.unit = unit
+        self.remedy = remedy
 
 
 class MotionError(SplinearmError):
