@@ -1,10 +1,14 @@
 """What tests of more than one room share."""
 
+import json
 import os
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import settings
 
@@ -29,3 +33,44 @@ def run_page() -> Callable[[str], int]:
         return len(blocks)
 
     return run
+
+
+def _python(code: str, *arguments: str, given: str = "", **environment: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code, *arguments],
+        input=given,
+        capture_output=True,
+        text=True,
+        env={**os.environ, **environment},
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="session")
+def python() -> Callable[..., str]:
+    """Runs code in a process of its own, warnings as errors, and gives what it prints."""
+    return _python
+
+
+@pytest.fixture(scope="session")
+def compiled_as_plain() -> Callable[..., None]:
+    """Runs code with compiled kernels and with plain ones and compares its list ``found``.
+
+    Arrays agree to ``rtol``, and to ``atol`` of their largest number or of 1.
+    """
+
+    def check(
+        code: str, count: int, *, given: str = "", rtol: float = 0.0, atol: float = 1e-12
+    ) -> None:
+        code += "\nimport json, numpy\nprint(json.dumps([numpy.ravel(a).tolist() for a in found]))"
+        compiled, plain = (
+            json.loads(_python(code, given=given, NUMBA_DISABLE_JIT=off)) for off in "01"
+        )
+        assert len(compiled) == len(plain) == count
+        for one, other in zip(compiled, plain, strict=True):
+            scale = max(1.0, np.abs(other).max(initial=0.0))
+            np.testing.assert_allclose(one, other, rtol=rtol, atol=atol * scale)
+
+    return check

@@ -1,10 +1,5 @@
 """Compiled kernels: the same numbers as plain Python, said once, fresh when a source changes."""
 
-import json
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -12,7 +7,6 @@ from splinearm import compiled
 
 # every kernel on small, hard cases: turning and sliding joints, large angles, a half-full block
 ALL_KERNELS = """
-import json, sys
 import numpy as np
 from splinearm.joints import JointKind, JointLimits
 from splinearm.kinematics.arm import Arm
@@ -41,32 +35,14 @@ for n, slides in ((2, False), (3, True), (6, False), (7, True)):
     found += [motion.forward(q[:9], qd[:9], qdd[:9]), motion.forward(q[0], qd[0], qdd[0])]
     found += [motion.mass_matrix(q[0]), motion.coriolis_matrix(q[0], qd[0])]
     found += [jacobian_rate(arm, q[0], qd[0]), manipulability_gradient(arm, q[0])]
-print(json.dumps([array.ravel().tolist() for array in found]))
 """
 
 
-def run(code, **environment):
-    result = subprocess.run(
-        [sys.executable, "-W", "error", "-c", code],
-        capture_output=True,
-        text=True,
-        env={**os.environ, **environment},
-        check=False,
-    )
-    assert result.returncode == 0, result.stderr
-    return result.stdout
+def test_compiled_and_plain_kernels_agree(compiled_as_plain):
+    compiled_as_plain(ALL_KERNELS, 60)
 
 
-def test_compiled_and_plain_kernels_agree():
-    fast = json.loads(run(ALL_KERNELS, NUMBA_DISABLE_JIT="0"))
-    plain = json.loads(run(ALL_KERNELS, NUMBA_DISABLE_JIT="1"))
-    assert len(fast) == len(plain) == 60
-    for a, b in zip(fast, plain, strict=True):
-        scale = max(1.0, np.abs(b).max())
-        np.testing.assert_allclose(a, b, rtol=0, atol=1e-12 * scale)
-
-
-def test_the_first_compile_is_said_once(tmp_path):
+def test_the_first_compile_is_said_once(tmp_path, python):
     code = """
 import logging, numpy as np
 said = []
@@ -81,8 +57,8 @@ print(said)
 """
     wanted = "[('INFO', 'compiling numeric kernels, once; later runs load them from disk')]"
     environment = {"NUMBA_CACHE_DIR": str(tmp_path), "NUMBA_DISABLE_JIT": "0"}
-    assert run(code, **environment).strip() == wanted
-    assert run(code, **environment).strip() == "[]"
+    assert python(code, **environment).strip() == wanted
+    assert python(code, **environment).strip() == "[]"
 
 
 def test_a_kernel_is_stale_when_a_file_it_imports_from_changes(tmp_path):

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 from style import BLUE, GREY, INK, MM, ORANGE, RED, WIDTH, draw_curve, plane, save, styled
 
 from splinearm.curves.course import Course
-from splinearm.curves.segment import Line, arc_through
+from splinearm.curves.segment import Arc, Line
 
 A, B, C, D = (np.array(p) * MM for p in ((0, 0, 0), (50, 0, 0), (90, 40, 0), (40, 40, 0)))
 VIA = np.array((78, 12, 0)) * MM
@@ -17,7 +17,7 @@ def draw() -> Figure:
     """Draw the way in the plane and its curvature."""
     figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
     left, right = figure.subplots(1, 2)
-    segments = (Line(A, B), arc_through(B, VIA, C), Line(C, D))
+    segments = (Line(A, B), Arc.through(B, VIA, C), Line(C, D))
     s = np.concatenate(([0.0], np.cumsum([segment.length for segment in segments])))
     course = Course(segments, s, np.array([0.0, BLEND, BLEND, 0.0]))
     for segment in segments:

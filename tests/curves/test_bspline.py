@@ -251,6 +251,27 @@ def test_rational_curves_are_quotients(curve, seed):
     assert np.allclose(back.points, nurbs.points, rtol=1e-15, atol=1e-15)
 
 
+def test_a_rational_curve_of_the_nurbs_book():
+    # Piegl and Tiller, The NURBS Book, 2nd ed. 1997, ex. 4.1
+    knots, points = [0, 0, 0, 1, 2, 3, 3, 3], [[0, 0], [1, 1], [3, 2], [4, 1], [5, -1]]
+    curve = BSpline(knots, points, 2, [1, 4, 1, 1, 1])
+    assert curve.at(1.0) == pytest.approx([7 / 5, 6 / 5], abs=1e-15)
+    assert curve.at(0.0).tolist() == [0.0, 0.0]
+    assert curve.at(3.0).tolist() == [5.0, -1.0]
+    # without its weight the second point pulls less
+    assert BSpline(knots, points, 2).at(1.0).tolist() == [2.0, 1.5]
+
+
+def test_derivatives_of_the_quarter_circle_of_the_nurbs_book():
+    # Piegl and Tiller, ex. 4.2
+    quarter = BSpline([0, 0, 0, 1, 1, 1], [[1, 0], [1, 1], [0, 1]], 2, [1, 1, 2])
+    ends = np.array([0.0, 1.0])
+    np.testing.assert_allclose(quarter.at(ends, 1), [[0, 2], [-1, 0]], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(quarter.at(ends, 2), [[-4, 0], [1, -1]], rtol=0, atol=1e-14)
+    jets = quarter.jet(ends, 2)
+    np.testing.assert_allclose(jets[:, 1:], [[[0, 2], [-4, 0]], [[-1, 0], [1, -1]]], atol=1e-14)
+
+
 def test_equal_weights_change_nothing():
     rng = np.random.default_rng(2)
     points = rng.normal(size=(6, 2))

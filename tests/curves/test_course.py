@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from splinearm.curves.course import Course, goes_on
-from splinearm.curves.segment import Line, arc_about, arc_through
+from splinearm.curves.segment import Arc, Line
 from splinearm.errors import CurveError
 
 # a line, a quarter circle that leaves it at its tangent, and a line at a sharp corner
 SEGMENTS = [
     Line(np.array([-0.2, 0, 0]), np.zeros(3)),
-    arc_through([0, 0, 0], [0.1 * np.sin(0.7), 0.1 - 0.1 * np.cos(0.7), 0], [0.1, 0.1, 0]),
+    Arc.through([0, 0, 0], [0.1 * np.sin(0.7), 0.1 - 0.1 * np.cos(0.7), 0], [0.1, 0.1, 0]),
     Line(np.array([0.1, 0.1, 0]), np.array([0.3, 0.1, 0.1])),
 ]
 
@@ -63,8 +63,8 @@ def test_segments_go_on_where_direction_and_bend_do():
     assert not goes_on(line, half, (0.2, 0.2))
     assert not goes_on(line, quarter, (line.length, quarter.length))
     assert not goes_on(quarter, other, (quarter.length, other.length))
-    one = arc_about([1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1])
-    two = arc_about([0, 1, 0], [-1, 0, 0], [0, 0, 0], [0, 0, 1])
+    one = Arc.about([1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1])
+    two = Arc.about([0, 1, 0], [-1, 0, 0], [0, 0, 0], [0, 0, 1])
     assert goes_on(one, two, (one.length, two.length))
 
 

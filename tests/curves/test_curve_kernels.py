@@ -1,14 +1,6 @@
 """Compiled kernels of curves give the numbers of plain Python."""
 
-import json
-import os
-import subprocess
-import sys
-
-import numpy as np
-
 KERNELS = """
-import json
 import numpy as np
 from splinearm.curves import BSpline, interpolate
 from splinearm.curves.removal import reduce_degree, remove_knots
@@ -31,24 +23,8 @@ for degree, weighted in ((1, False), (2, True), (3, False), (5, True)):
     found += [sampler.sample(np.linspace(0, 1, 17), order) for order in (0, 2, 4)]
     found += [interpolate(rng.normal(size=(30, 2)), degree=3, ends=e).points
         for e in ("natural", "free", "closed")]
-print(json.dumps([np.ravel(a).tolist() for a in found]))
 """
 
 
-def numbers(**environment):
-    result = subprocess.run(
-        [sys.executable, "-W", "error", "-c", KERNELS],
-        capture_output=True,
-        text=True,
-        env={**os.environ, **environment},
-        check=False,
-    )
-    assert result.returncode == 0, result.stderr
-    return json.loads(result.stdout)
-
-
-def test_compiled_and_plain_curve_kernels_agree():
-    fast, plain = numbers(NUMBA_DISABLE_JIT="0"), numbers(NUMBA_DISABLE_JIT="1")
-    assert len(fast) == len(plain) == 48
-    for a, b in zip(fast, plain, strict=True):
-        np.testing.assert_allclose(a, b, rtol=0, atol=1e-12 * max(1.0, np.abs(b).max()))
+def test_compiled_and_plain_curve_kernels_agree(compiled_as_plain):
+    compiled_as_plain(KERNELS, 48)

@@ -1,14 +1,6 @@
 """Compiled kernels of fitting and of nearest places give the numbers of plain Python."""
 
-import json
-import os
-import subprocess
-import sys
-
-import numpy as np
-
 KERNELS = """
-import json
 import numpy as np
 from splinearm.curves.conic import ellipse
 from splinearm.curves.fit import fit
@@ -25,24 +17,8 @@ found += [np.log([choose_stiffness(points + np.sin(7.0 * points), closed=True)])
 for curve in (interpolate(points), ellipse(2.0, 1.0), interpolate(points, degree=1)):
     near = nearest_point(curve, points[::3] * 0.7 + 0.1)
     found += [near.u, near.points, near.distance]
-print(json.dumps([np.ravel(a).tolist() for a in found]))
 """
 
 
-def numbers(**environment):
-    result = subprocess.run(
-        [sys.executable, "-W", "error", "-c", KERNELS],
-        capture_output=True,
-        text=True,
-        env={**os.environ, **environment},
-        check=False,
-    )
-    assert result.returncode == 0, result.stderr
-    return json.loads(result.stdout)
-
-
-def test_compiled_and_plain_kernels_of_fitting_agree():
-    fast, plain = numbers(NUMBA_DISABLE_JIT="0"), numbers(NUMBA_DISABLE_JIT="1")
-    assert len(fast) == len(plain) == 16
-    for a, b in zip(fast, plain, strict=True):
-        np.testing.assert_allclose(a, b, rtol=0, atol=1e-12 * max(1.0, np.abs(b).max()))
+def test_compiled_and_plain_kernels_of_fitting_agree(compiled_as_plain):
+    compiled_as_plain(KERNELS, 16)

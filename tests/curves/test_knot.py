@@ -190,7 +190,7 @@ def exact_basis(knots, i, degree, u):
 
 def test_basis_values_of_the_nurbs_book():
     # Piegl and Tiller, The NURBS Book, 2nd ed. 1997, ex. 2.3: at u = 5/2 the functions N2,2 ...
-    # N4,2 are 1/8, 6/8 and 1/8, and their derivatives -1/2, 0, 1/2
+    # N4,2 are 1/8, 6/8 and 1/8; ex. 2.4: their derivatives -1/2, 0, 1/2
     knots = np.array([0, 0, 0, 1, 2, 3, 4, 4, 5, 5, 5], dtype=float)
     u = np.array([2.5])
     spans = basis.find_spans(knots, 2, u)

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from splinearm.curves.segment import Arc, Line, arc_about, arc_through
+from splinearm.curves.segment import Arc, Line
 from splinearm.errors import CurveError
 
 SHARES = np.linspace(0.0, 1.0, 101)
@@ -22,7 +22,7 @@ def test_an_arc_passes_its_three_points_in_order_at_one_radius(start, via, end):
     normal = np.cross(via - start, end - start)
     if np.linalg.norm(normal) < 1e-3:
         return
-    arc = arc_through(start, via, end)
+    arc = Arc.through(start, via, end)
     assert np.allclose(arc.at(np.array([0.0, 1.0])), [start, end], atol=1e-10)
     p = arc.at(SHARES)
     assert np.allclose(np.linalg.norm(p - arc.centre, axis=1), arc.radius, rtol=1e-9)
@@ -38,8 +38,8 @@ def test_an_arc_passes_its_three_points_in_order_at_one_radius(start, via, end):
     "segment",
     [
         Line(np.zeros(3), np.array([0.1, 0.2, -0.3])),
-        arc_through([0, 0, 0], [0.1, 0.1, 0.0], [0.3, -0.1, 0.1]),
-        arc_about([0.1, 0, 0], [0, 0.1, 0.05], [0, 0, 0], [0, 0, 2.0], turns=2),
+        Arc.through([0, 0, 0], [0.1, 0.1, 0.0], [0.3, -0.1, 0.1]),
+        Arc.about([0.1, 0, 0], [0, 0.1, 0.05], [0, 0, 0], [0, 0, 2.0], turns=2),
     ],
 )
 def test_derivatives_are_those_of_differences(segment, derivative):
@@ -50,16 +50,16 @@ def test_derivatives_are_those_of_differences(segment, derivative):
 
 
 def test_about_an_axis_the_right_hand_says_which_way():
-    quarter = arc_about([1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1])
+    quarter = Arc.about([1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1])
     assert quarter.angle == pytest.approx(0.5 * np.pi)
     assert np.allclose(quarter.at(np.array([0.5]))[0], [np.sqrt(0.5), np.sqrt(0.5), 0])
-    other = arc_about([1, 0, 0], [0, 1, 0], [0, 0, 5], [0, 0, -3])
+    other = Arc.about([1, 0, 0], [0, 1, 0], [0, 0, 5], [0, 0, -3])
     assert other.angle == pytest.approx(1.5 * np.pi)
 
 
 def test_to_the_same_place_it_is_a_full_turn_and_more_on_request():
-    assert arc_about([1, 0, 0], [1, 0, 0], [0, 0, 0], [0, 0, 1]).angle == pytest.approx(2 * np.pi)
-    helix = arc_about([1, 0, 0], [1, 0, 0.3], [0, 0, 9.0], [0, 0, 1], turns=3)
+    assert Arc.about([1, 0, 0], [1, 0, 0], [0, 0, 0], [0, 0, 1]).angle == pytest.approx(2 * np.pi)
+    helix = Arc.about([1, 0, 0], [1, 0, 0.3], [0, 0, 9.0], [0, 0, 1], turns=3)
     assert helix.angle == pytest.approx(8.0 * np.pi)
     p = helix.at(SHARES)
     assert np.allclose(p[:, 2], 0.3 * SHARES, atol=1e-14)
@@ -69,16 +69,16 @@ def test_to_the_same_place_it_is_a_full_turn_and_more_on_request():
 
 def test_what_is_no_arc_is_refused():
     with pytest.raises(CurveError, match="three points in line make no arc"):
-        arc_through([0, 0, 0], [0.1, 0, 0], [0.2, 0, 0])
+        Arc.through([0, 0, 0], [0.1, 0, 0], [0.2, 0, 0])
     with pytest.raises(CurveError, match="three points in line"):
-        arc_through([0, 0, 0], [0.1, 0.1, 0], [0, 0, 0])
+        Arc.through([0, 0, 0], [0.1, 0.1, 0], [0, 0, 0])
     with pytest.raises(CurveError, match="begins 100 mm from its axis and ends 110 mm"):
-        arc_about([0.1, 0, 0], [0, 0.11, 0], [0, 0, 0], [0, 0, 1])
+        Arc.about([0.1, 0, 0], [0, 0.11, 0], [0, 0, 0], [0, 0, 1])
     with pytest.raises(CurveError, match="begins 0 mm from its axis"):
-        arc_about([0, 0, 0.4], [0, 0, 0.5], [0, 0, 0], [0, 0, 1])
+        Arc.about([0, 0, 0.4], [0, 0, 0.5], [0, 0, 0], [0, 0, 1])
     with pytest.raises(ValueError, match="normal: want a direction"):
-        arc_about([1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 0])
+        Arc.about([1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 0])
     with pytest.raises(ValueError, match="turns: want 0 or more, got -1"):
-        arc_about([1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1], turns=-1)
+        Arc.about([1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1], turns=-1)
     with pytest.raises(ValueError, match="via: want finite numbers"):
-        arc_through([0, 0, 0], [np.nan, 0, 0], [1, 0, 0])
+        Arc.through([0, 0, 0], [np.nan, 0, 0], [1, 0, 0])

@@ -1,7 +1,4 @@
 import json
-import os
-import subprocess
-import sys
 from math import cos, pi, sin
 from pathlib import Path
 
@@ -117,16 +114,10 @@ print(json.dumps(load("kernels", sys.argv[2]).answers(arms)))
 """
 
 
-def test_compiled_and_plain_kernels_agree(closed_arms, request):
-    here = request.path.parent
-    plain = subprocess.run(
-        [sys.executable, "-c", SCRIPT, str(here / "conftest.py"), str(request.path)],
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
-        capture_output=True,
-        check=True,
-        text=True,
-    )
-    told, wanted = json.loads(plain.stdout), answers(closed_arms)
+def test_compiled_and_plain_kernels_agree(closed_arms, request, python):
+    files = request.path.with_name("conftest.py"), request.path
+    told = json.loads(python(SCRIPT, *map(str, files), NUMBA_DISABLE_JIT="1"))
+    wanted = answers(closed_arms)
     assert told.keys() == wanted.keys()
     for name, value in wanted.items():
         if name in ("puma", "ur5", "oblique wrist", "base 23", "quartic"):

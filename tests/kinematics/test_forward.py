@@ -1,8 +1,6 @@
 """Forward kinematics and Jacobian: kernels against numpy, their entries, and how they load."""
 
 import pickle
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -24,20 +22,6 @@ def _kernels():
 def arms(random_arm):
     conventions = (DHConvention.STANDARD, DHConvention.MODIFIED)
     return [random_arm(seed, 2 + seed % 7, conventions[seed % 2]) for seed in range(60)]
-
-
-def run(code, **environment):
-    import os
-
-    result = subprocess.run(
-        [sys.executable, "-W", "error", "-c", code],
-        capture_output=True,
-        text=True,
-        env={**os.environ, **environment},
-        check=False,
-    )
-    assert result.returncode == 0, result.stderr
-    return result.stdout
 
 
 def test_the_packed_array_holds_the_chain(random_arm):
@@ -230,7 +214,7 @@ loaded = lambda: "numba" in sys.modules
 """
 
 
-def test_numba_is_loaded_only_when_kernels_are_wanted():
+def test_numba_is_loaded_only_when_kernels_are_wanted(python):
     code = f"""{ARM}
 arm.fk(q), arm.jacobian(q), arm.frames(q), arm.fk(np.zeros((1000, 4)))
 for _ in range(3000):
@@ -240,15 +224,15 @@ T = arm.fk(q)
 again = arm.fk(q, out=np.empty((4, 4)))
 assert loaded() and abs(T - again).max() < 1e-14
 """
-    run(code)
+    python(code)
 
 
-def test_a_heavy_batch_loads_the_kernels():
-    run(f"{ARM}\narm.fk(np.zeros(({forward.HEAVY}, 4)))\nassert loaded()")
+def test_a_heavy_batch_loads_the_kernels(python):
+    python(f"{ARM}\narm.fk(np.zeros(({forward.HEAVY}, 4)))\nassert loaded()")
 
 
-def test_an_arm_can_be_compiled_ahead():
-    run(f"{ARM}\nassert arm.compiled() is arm\nassert loaded()")
+def test_an_arm_can_be_compiled_ahead(python):
+    python(f"{ARM}\nassert arm.compiled() is arm\nassert loaded()")
 
 
 @pytest.mark.kernel

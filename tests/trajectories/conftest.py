@@ -1,6 +1,8 @@
 """Arms, limits and curves that the tests of this room share."""
 
 from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -10,14 +12,19 @@ from splinearm.joints import JointKind, JointLimits
 from splinearm.kinematics import quaternion
 from splinearm.kinematics.arm import Arm
 from splinearm.kinematics.dh import DHConvention, DHLink
+from splinearm.kinematics.differential import jacobian_rate
+from splinearm.kinematics.dynamics import Drives, Dynamics
+from splinearm.kinematics.link import Inertia
 from splinearm.trajectories.joint_path import JointPath
 from splinearm.trajectories.leg import straight_path
-from splinearm.trajectories.section import Section
+from splinearm.trajectories.limit import MotionLimits
+from splinearm.trajectories.plan import Plan
+from splinearm.trajectories.section import Law, Section
 from splinearm.trajectories.timing import quickest
 from splinearm.trajectories.trajectory import JointTrajectory
 
 
-def _limits(qd_max, qdd_max, q_max=None, names=None) -> JointLimits:
+def _limits(qd_max, qdd_max, qddd_max=None, *, q_max=None, names=None) -> JointLimits:
     n = len(qd_max)
     q_max = np.full(n, np.inf) if q_max is None else np.asarray(q_max)
     return JointLimits(
@@ -27,6 +34,7 @@ def _limits(qd_max, qdd_max, q_max=None, names=None) -> JointLimits:
         q_max=q_max,
         qd_max=qd_max,
         qdd_max=qdd_max,
+        qddd_max=qddd_max,
     )
 
 
@@ -38,7 +46,8 @@ def make_limits() -> Callable[..., JointLimits]:
 @pytest.fixture(scope="session")
 def arm_2r() -> Arm:
     links = [DHLink("shoulder", 0.3, 0.0, 0.0, 0.0), DHLink("elbow", 0.25, 0.0, 0.06, 0.0)]
-    limits = _limits([2.0, 3.0], [8.0, 12.0], [2.7, 2.6], ("shoulder", "elbow"))
+    names = ("shoulder", "elbow")
+    limits = _limits([2.0, 3.0], [8.0, 12.0], q_max=[2.7, 2.6], names=names)
     return Arm.from_dh("2R", links, DHConvention.STANDARD, limits)
 
 
@@ -67,6 +76,117 @@ def arm_6() -> Arm:
         qdd_max=[10.0] * 6,
     )
     return Arm.from_dh("WX250s", links, DHConvention.MODIFIED, limits)
+
+
+@pytest.fixture(scope="session")
+def loaded_6() -> tuple[Arm, JointLimits]:
+    """An arm of the size and weight of a UR5, and limits with torques."""
+    # a, alpha, d, mass: Universal Robots, DH parameters of the UR5
+    rows = [
+        (0.0, np.pi / 2, 0.089159, 3.7),
+        (-0.425, 0.0, 0.0, 8.393),
+        (-0.39225, 0.0, 0.0, 2.275),
+        (0.0, np.pi / 2, 0.10915, 1.219),
+        (0.0, -np.pi / 2, 0.09465, 1.219),
+        (0.0, 0.0, 0.0823, 0.1879),
+    ]
+    links = [
+        DHLink(f"joint{i}", a=a, alpha=b, d=d, theta=0.0) for i, (a, b, d, _) in enumerate(rows)
+    ]
+    inertias = [
+        Inertia(m, np.array([-0.5 * a, 0.0, -0.5 * d]), m * (0.01 + a * a / 12.0) * np.eye(3))
+        for a, _, d, m in rows
+    ]
+    limits = _limits([3.15] * 6, [20.0] * 6)
+    arm = Arm.from_dh("UR5 size", links, DHConvention.STANDARD, limits, inertias=inertias)
+    return arm, replace(limits, torque_max=[150.0, 150.0, 150.0, 28.0, 28.0, 28.0])
+
+
+@pytest.fixture(scope="session")
+def limits_2r() -> MotionLimits:
+    """Limits of a small arm with masses, friction and motors whose torque falls with speed."""
+    joints = replace(_limits([3.0, 3.0], [20.0, 20.0]), torque_max=[18.0, 8.0])
+    links = [DHLink(f"joint{i}", a=0.4, alpha=1.0, d=0.0, theta=0.0) for i in range(2)]
+    bodies = [Inertia(1.5, np.array([-0.2, 0.0, 0.0]), 0.02 * np.eye(3))] * 2
+    arm = Arm.from_dh("2R", links, DHConvention.STANDARD, joints, inertias=bodies)
+    drives = Drives(viscous=np.full(2, 0.5), coulomb=np.full(2, 0.2))
+    dynamics = Dynamics(arm, drives=drives)
+    return MotionLimits(joints=joints, dynamics=dynamics, no_load_speed=np.full(2, 5.0))
+
+
+class MotorLine(NamedTuple):
+    """One joint about a vertical axis whose motor's torque falls with its speed."""
+
+    limits: MotionLimits
+    way: float
+    steady: float
+    """The speed at which the motor's torque is that of friction, rad/s."""
+    duration: float
+    """How long the way takes at the least, s."""
+
+
+@pytest.fixture(scope="session")
+def motor_line() -> MotorLine:
+    # torque full (1 - qd / qd0) = inertia qdd + viscous qd
+    full, no_load, inertia, viscous, way = 10.0, 4.0, 2.0, 1.0, 40.0
+    joints = replace(_limits([100.0], [1e3]), torque_max=[full])
+    body = Inertia(1.0, np.zeros(3), np.diag([1.0, 1.0, inertia]))
+    links = [DHLink("joint0", a=0.0, alpha=0.0, d=0.0, theta=0.0)]
+    arm = Arm.from_dh("1R", links, DHConvention.STANDARD, joints, inertias=[body])
+    dynamics = Dynamics(arm, drives=Drives(viscous=np.array([viscous])))
+    limits = MotionLimits(joints=joints, dynamics=dynamics, no_load_speed=np.array([no_load]))
+    # it speeds up as 1 - exp(-t / tau) and brakes with friction's help
+    steady = full / (full / no_load + viscous)
+    tau = inertia / (full / no_load + viscous)
+    braking = inertia / viscous * np.log1p(viscous * steady / full)
+    braked = inertia / viscous * (steady - full / viscous * np.log1p(viscous * steady / full))
+    return MotorLine(limits, way, steady, tau + braking + (way - braked) / steady)
+
+
+@pytest.fixture(scope="session")
+def limit_uses() -> Callable[..., dict[str, float]]:
+    """Gives the largest share of each limit that a law uses at many moments, by quantity."""
+
+    def uses(
+        path: JointPath, law: Law, limits: JointLimits | MotionLimits, count: int = 10_001
+    ) -> dict[str, float]:
+        ts = np.linspace(0.0, law.duration, count)
+        limits = MotionLimits(joints=limits) if isinstance(limits, JointLimits) else limits
+        section, joints = Section(path, law), limits.joints
+        q, qd, qdd = section.sample(ts)
+        found = {
+            "velocity": np.abs(qd) / joints.qd_max,
+            "acceleration": np.abs(qdd) / joints.qdd_max,
+        }
+        if joints.qddd_max is not None:
+            found["jerk"] = np.abs(section.jerk(ts)) / joints.qddd_max
+        if limits.dynamics is not None:
+            torque = limits.dynamics.inverse(q, qd, qdd)
+            no_load = np.inf if limits.no_load_speed is None else limits.no_load_speed
+            line = np.where(torque * qd > 0.0, np.abs(qd) / no_load, 0.0)
+            found["torque"] = np.abs(torque) / joints.torque_max + line
+        arm = limits.arm
+        if arm is not None:
+            J = arm.jacobian(q)
+            v = np.einsum("mij,mj->mi", J, qd)
+            a = np.einsum("mij,mj->mi", J, qdd)
+            a += np.einsum("mij,mj->mi", jacobian_rate(arm, q, qd), qd)
+            for name, of in (
+                ("tool_speed", v[:, :3]),
+                ("tool_turn_rate", v[:, 3:]),
+                ("tool_acceleration", a[:, :3]),
+                ("tool_turn_acceleration", a[:, 3:]),
+            ):
+                if (most := getattr(limits, name)) is not None:
+                    found[name] = np.linalg.norm(of, axis=1) / most
+        return {name: float(share.max()) for name, share in found.items()}
+
+    return uses
+
+
+@pytest.fixture(scope="session")
+def q_2r() -> np.ndarray:
+    return np.array([-0.3, 1.4])
 
 
 @pytest.fixture(scope="session")
@@ -148,3 +268,30 @@ def make_chain() -> Callable[..., tuple[np.ndarray, np.ndarray]]:
         return u, np.array(quats) * rng.choice([-1.0, 1.0], m)[:, None]
 
     return make
+
+
+@pytest.fixture(scope="session")
+def tool() -> Callable[[Arm, np.ndarray], np.ndarray]:
+    """Gives where joints carry the tool."""
+    return lambda arm, q: arm.fk(q)[..., :3, 3]
+
+
+@pytest.fixture(scope="session")
+def tool_speed() -> Callable[[Arm, np.ndarray, np.ndarray], np.ndarray]:
+    """Gives how fast they carry it."""
+
+    def speed(arm: Arm, q: np.ndarray, qd: np.ndarray) -> np.ndarray:
+        return np.linalg.norm(np.einsum("mij,mj->mi", arm.jacobian(q)[:, :3], qd), axis=1)
+
+    return speed
+
+
+@pytest.fixture(scope="session")
+def sampled() -> Callable[..., tuple[np.ndarray, ...]]:
+    """Gives times of a plan and the joints' positions, velocities and accelerations then."""
+
+    def sample(made: Plan, count: int = 8001) -> tuple[np.ndarray, ...]:
+        ts = np.linspace(0.0, made.trajectory.duration, count)
+        return ts, *made.trajectory.sample(ts)
+
+    return sample

@@ -7,9 +7,6 @@ import pytest
 
 from splinearm.curves.interpolation import interpolate
 from splinearm.errors import HoldError
-from splinearm.kinematics.arm import Arm
-from splinearm.kinematics.dh import DHConvention, DHLink
-from splinearm.kinematics.differential import jacobian_rate
 from splinearm.kinematics.dynamics import Drives, Dynamics
 from splinearm.kinematics.link import Inertia
 from splinearm.trajectories.constraint import SpeedCap
@@ -21,30 +18,6 @@ from splinearm.trajectories.timing import quickest
 
 FRICTION = Drives(viscous=np.full(6, 1.0), coulomb=np.full(6, 0.5), rotor_inertia=np.full(6, 0.02))
 LOAD = Inertia(1.5, np.array([0.0, 0.02, 0.05]), 0.003 * np.eye(3))
-
-
-@pytest.fixture(scope="module")
-def loaded(make_limits):
-    """Give an arm of the size and weight of a UR5, with torques."""
-    # a, alpha, d, mass: Universal Robots, DH parameters of the UR5
-    rows = [
-        (0.0, np.pi / 2, 0.089159, 3.7),
-        (-0.425, 0.0, 0.0, 8.393),
-        (-0.39225, 0.0, 0.0, 2.275),
-        (0.0, np.pi / 2, 0.10915, 1.219),
-        (0.0, -np.pi / 2, 0.09465, 1.219),
-        (0.0, 0.0, 0.0823, 0.1879),
-    ]
-    links = [
-        DHLink(f"joint{i}", a=a, alpha=b, d=d, theta=0.0) for i, (a, b, d, _) in enumerate(rows)
-    ]
-    inertias = [
-        Inertia(m, np.array([-0.5 * a, 0.0, -0.5 * d]), m * (0.01 + a * a / 12.0) * np.eye(3))
-        for a, _, d, m in rows
-    ]
-    limits = make_limits([3.15] * 6, [20.0] * 6)
-    arm = Arm.from_dh("UR5 size", links, DHConvention.STANDARD, limits, inertias=inertias)
-    return arm, replace(limits, torque_max=[150.0, 150.0, 150.0, 28.0, 28.0, 28.0])
 
 
 def way(seed, n=6):
@@ -59,21 +32,15 @@ def motion(path, law, count=10_001):
     return q, qd, slope * acceleration[:, None] + bend * (speed * speed)[:, None]
 
 
-def torque_use(limits, path, law):
-    q, qd, qdd = motion(path, law)
-    torque = limits.dynamics.inverse(q, qd, qdd)
-    no_load = np.inf if limits.no_load_speed is None else limits.no_load_speed
-    line = np.where(torque * qd > 0.0, np.abs(qd) / no_load, 0.0)
-    return float((np.abs(torque) / limits.joints.torque_max + line).max())
-
-
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize(
     ("drives", "payload", "no_load"),
     [(None, None, None), (FRICTION, LOAD, None), (FRICTION, None, 4.0)],
 )
-def test_torques_are_kept_everywhere_and_slow_the_motion(seed, drives, payload, no_load, loaded):
-    arm, joints = loaded
+def test_torques_are_kept_everywhere_and_slow_the_motion(
+    seed, drives, payload, no_load, loaded_6, limit_uses
+):
+    arm, joints = loaded_6
     joints = replace(joints, torque_max=0.8 * joints.torque_max)
     limits = MotionLimits(
         joints=joints,
@@ -82,69 +49,46 @@ def test_torques_are_kept_everywhere_and_slow_the_motion(seed, drives, payload, 
     )
     path = way(seed)
     law = quickest(path, limits)
-    assert torque_use(limits, path, law) <= 1.0 + 1e-6
+    assert limit_uses(path, law, limits)["torque"] <= 1.0 + 1e-6
     _, qd, qdd = motion(path, law)
     assert (np.abs(qd) <= joints.qd_max * (1.0 + 1e-9)).all()
     assert (np.abs(qdd) <= joints.qdd_max * (1.0 + 1e-9)).all()
     assert law.duration >= quickest(path, joints).duration * (1.0 - 1e-3)
 
 
-def test_torques_alone_are_used_to_the_full(loaded):
-    arm, joints = loaded
+def test_torques_alone_are_used_to_the_full(loaded_6, limit_uses):
+    arm, joints = loaded_6
     free = replace(joints, qd_max=np.full(6, 100.0), qdd_max=np.full(6, 1e4))
     limits = MotionLimits(joints=free, dynamics=Dynamics(arm))
     path = way(1)
     law = quickest(path, limits)
-    assert 0.99 < torque_use(limits, path, law) <= 1.0 + 1e-6
+    assert 0.99 < limit_uses(path, law, limits)["torque"] <= 1.0 + 1e-6
     use = limit_use(path, limits, law)
     assert {use.limits[k][1] for k in use.binding} == {"torque"}
     assert np.median(use.shares.max(axis=1)) > 0.98, "some torque is at its limit all the way"
 
 
-def test_a_motor_line_alone_leads_to_its_speed_under_friction(make_limits):
-    # one joint about a vertical axis: torque full (1 - qd / qd0) = inertia qdd + viscous qd
-    full, no_load, inertia, viscous = 10.0, 4.0, 2.0, 1.0
-    joints = replace(make_limits([100.0], [1e3]), torque_max=[full])
-    body = Inertia(1.0, np.zeros(3), np.diag([1.0, 1.0, inertia]))
-    links = [DHLink("joint0", a=0.0, alpha=0.0, d=0.0, theta=0.0)]
-    arm = Arm.from_dh("1R", links, DHConvention.STANDARD, joints, inertias=[body])
-    drives = Drives(viscous=np.array([viscous]))
-    limits = MotionLimits(
-        joints=joints, dynamics=Dynamics(arm, drives=drives), no_load_speed=np.array([no_load])
-    )
-    law = quickest(straight_path(np.zeros(1), np.array([40.0])), limits, cells=2000)
-    steady = full / (full / no_load + viscous)
-    assert law.speed.max() * 40.0 == pytest.approx(steady, rel=1e-3)
-    # it speeds up as 1 - exp(-t / tau) and brakes with friction's help
-    tau = inertia / (full / no_load + viscous)
-    braking = inertia / viscous * np.log1p(viscous * steady / full)
-    braked = inertia / viscous * (steady - full / viscous * np.log1p(viscous * steady / full))
-    want = tau + braking + (40.0 - braked) / steady
-    assert law.duration == pytest.approx(want, rel=5e-3)
+def test_a_motor_line_alone_leads_to_its_speed_under_friction(motor_line):
+    path = straight_path(np.zeros(1), np.array([motor_line.way]))
+    law = quickest(path, motor_line.limits, cells=2000)
+    assert law.speed.max() * motor_line.way == pytest.approx(motor_line.steady, rel=1e-3)
+    assert law.duration == pytest.approx(motor_line.duration, rel=5e-3)
 
 
 @pytest.mark.kernel
-def test_few_cells_keep_torques_as_well(make_limits):
-    joints = replace(make_limits([3.0, 3.0], [20.0, 20.0]), torque_max=[18.0, 8.0])
-    links = [DHLink(f"joint{i}", a=0.4, alpha=1.0, d=0.0, theta=0.0) for i in range(2)]
-    bodies = [Inertia(1.5, np.array([-0.2, 0.0, 0.0]), 0.02 * np.eye(3))] * 2
-    arm = Arm.from_dh("2R", links, DHConvention.STANDARD, joints, inertias=bodies)
-    drives = Drives(viscous=np.full(2, 0.5), coulomb=np.full(2, 0.2))
-    limits = MotionLimits(
-        joints=joints, dynamics=Dynamics(arm, drives=drives), no_load_speed=np.full(2, 5.0)
-    )
+def test_few_cells_keep_torques_as_well(limits_2r):
     points = np.array([[0.0, 0.0], [0.8, -0.5], [0.3, 0.6], [1.2, 0.2]])
     path = JointPath(interpolate(points, degree=3, parameters="uniform"))
-    law = quickest(path, limits, cells=16)
+    law = quickest(path, limits_2r, cells=16)
     _, qd, qdd = motion(path, law, 301)
-    assert (np.abs(qdd) <= joints.qdd_max * (1.0 + 1e-9)).all()
-    use = limit_use(path, limits, law)
+    assert (np.abs(qdd) <= limits_2r.joints.qdd_max * (1.0 + 1e-9)).all()
+    use = limit_use(path, limits_2r, law)
     assert 0.9 < use.shares[:, 2:4].max() <= 1.0 + 1e-6
     assert np.abs(qd).max() < 5.0
 
 
-def test_a_joint_too_weak_to_hold_the_arm_is_named(loaded):
-    arm, joints = loaded
+def test_a_joint_too_weak_to_hold_the_arm_is_named(loaded_6):
+    arm, joints = loaded_6
     weak = replace(joints, torque_max=[150.0, 20.0, 150.0, 28.0, 28.0, 28.0])
     with pytest.raises(HoldError, match=r"'joint1' cannot hold the arm at s = .* N m") as caught:
         quickest(way(0), MotionLimits(joints=weak, dynamics=Dynamics(arm)))
@@ -153,8 +97,8 @@ def test_a_joint_too_weak_to_hold_the_arm_is_named(loaded):
 
 
 @pytest.mark.parametrize("factor", [1e-6, 1e6])
-def test_the_unit_of_the_parameter_does_not_matter_for_torques(factor, loaded):
-    arm, joints = loaded
+def test_the_unit_of_the_parameter_does_not_matter_for_torques(factor, loaded_6):
+    arm, joints = loaded_6
     limits = MotionLimits(joints=joints, dynamics=Dynamics(arm, drives=FRICTION))
     path = way(2)
     curve = path.curve
@@ -164,8 +108,8 @@ def test_the_unit_of_the_parameter_does_not_matter_for_torques(factor, loaded):
 
 
 @pytest.mark.parametrize("drives", [None, FRICTION])
-def test_torques_are_kept_between_speeds_at_the_ends(drives, loaded):
-    arm, joints = loaded
+def test_torques_are_kept_between_speeds_at_the_ends(drives, loaded_6, limit_uses):
+    arm, joints = loaded_6
     limits = MotionLimits(joints=joints, dynamics=Dynamics(arm, drives=drives))
     path = way(5)
     whole = quickest(path, limits)
@@ -173,21 +117,7 @@ def test_torques_are_kept_between_speeds_at_the_ends(drives, loaded):
     ends = (0.8 * float(whole.speed[i]), 0.9 * float(whole.speed[j]))
     law = quickest(path, limits, (float(whole.s[i]), float(whole.s[j])), ends=ends)
     assert law.speed[[0, -1]] == pytest.approx(ends)
-    assert torque_use(limits, path, law) <= 1.0 + 1e-6
-
-
-def tool_use(arm, path, law, limits):
-    q, qd, qdd = motion(path, law)
-    J = arm.jacobian(q)
-    v = np.einsum("mij,mj->mi", J, qd)
-    a = np.einsum("mij,mj->mi", J, qdd) + np.einsum("mij,mj->mi", jacobian_rate(arm, q, qd), qd)
-    pairs = (
-        (v[:, :3], limits.tool_speed),
-        (v[:, 3:], limits.tool_turn_rate),
-        (a[:, :3], limits.tool_acceleration),
-        (a[:, 3:], limits.tool_turn_acceleration),
-    )
-    return [float(np.linalg.norm(w, axis=1).max() / m) for w, m in pairs if m is not None]
+    assert limit_uses(path, law, limits)["torque"] <= 1.0 + 1e-6
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -201,19 +131,19 @@ def tool_use(arm, path, law, limits):
         {"tool_speed": 0.8, "tool_acceleration": 4.0, "tool_turn_rate": 2.0},
     ],
 )
-def test_limits_of_the_tool_are_kept_and_met(seed, most, loaded):
-    arm, joints = loaded
+def test_limits_of_the_tool_are_kept_and_met(seed, most, loaded_6, limit_uses):
+    arm, joints = loaded_6
     limits = MotionLimits(joints=joints, arm=arm, **most)
     path = way(seed)
     law = quickest(path, limits)
-    used = tool_use(arm, path, law, limits)
-    assert max(used) <= 1.0 + 1e-5
-    assert max(used) > 0.99
+    used = limit_uses(path, law, limits)
+    assert max(used.values()) <= 1.0 + 1e-5
+    assert max(used[name] for name in most) > 0.99
     use = limit_use(path, limits, law)
     assert "tool" in {use.limits[k][0] for k in use.binding}
 
 
-def test_a_tool_on_a_circle_goes_as_fast_as_its_acceleration_across_allows(arm_2r):
+def test_a_tool_on_a_circle_goes_as_fast_as_its_acceleration_across_allows(arm_2r, limit_uses):
     # the shoulder alone carries the tool round: across its way r w^2, along it r w'
     q = np.linspace(0.0, 3.0, 9)[:, None] * [1.0, 0.0] + [0.0, 0.4]
     path = JointPath(interpolate(q, degree=3, parameters="uniform"))
@@ -223,11 +153,11 @@ def test_a_tool_on_a_circle_goes_as_fast_as_its_acceleration_across_allows(arm_2
     r = np.linalg.norm(arm_2r.fk(q[0])[:2, 3])
     _, qd, _ = motion(path, law)
     assert np.abs(qd[:, 0]).max() == pytest.approx(np.sqrt(2.0 / r), rel=2e-3)
-    assert max(tool_use(arm_2r, path, law, limits)) <= 1.0 + 1e-6
+    assert limit_uses(path, law, limits)["tool_acceleration"] <= 1.0 + 1e-6
 
 
-def test_caps_and_limits_of_the_tool_hold_together(loaded):
-    arm, joints = loaded
+def test_caps_and_limits_of_the_tool_hold_together(loaded_6, limit_uses):
+    arm, joints = loaded_6
     path = way(3)
     start, end = path.domain
     cap = SpeedCap(
@@ -235,13 +165,11 @@ def test_caps_and_limits_of_the_tool_hold_together(loaded):
         speeds=np.array([np.inf, 0.2]),
         rate=np.ones_like,
     )
-    law = quickest(path, MotionLimits(joints=joints, arm=arm, tool_speed=0.9), cap=cap)
+    limits = MotionLimits(joints=joints, arm=arm, tool_speed=0.9)
+    law = quickest(path, limits, cap=cap)
     behind = law.s >= 0.5 * (start + end)
     assert law.speed[behind].max() == pytest.approx(0.2, rel=1e-6)
-    assert (
-        tool_use(arm, path, law, MotionLimits(joints=joints, arm=arm, tool_speed=0.9))[0]
-        <= 1 + 1e-6
-    )
+    assert limit_uses(path, law, limits)["tool_speed"] <= 1.0 + 1e-6
 
 
 def test_the_use_of_joints_is_told_cell_by_cell(make_limits):
@@ -258,8 +186,8 @@ def test_the_use_of_joints_is_told_cell_by_cell(make_limits):
     assert limit_use(still, limits, quickest(still, limits)).shares.shape == (0, 4)
 
 
-def test_limits_that_do_not_go_together_are_refused(loaded, arm_2r, make_limits):
-    arm, joints = loaded
+def test_limits_that_do_not_go_together_are_refused(loaded_6, arm_2r, make_limits):
+    arm, joints = loaded_6
     for arguments, named in (
         ({"joints": make_limits([1.0] * 6, [1.0] * 6), "dynamics": Dynamics(arm)}, "torque_max"),
         ({"joints": joints, "no_load_speed": np.ones(6)}, "no_load_speed"),

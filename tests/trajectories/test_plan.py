@@ -13,26 +13,12 @@ from splinearm.trajectories.plan import plan, plan_joint_move
 from splinearm.trajectories.waypoint import Move, Waypoint
 
 PLAIN_MOVES = [Move.BSPLINE, Move.LINE, Move.JOINT]
-Q_2R = np.array([-0.3, 1.4])
 TOLERANCE = 2e-5
 
 
-def tool(arm, q):
-    return arm.fk(q)[..., :3, 3]
-
-
-def tool_speed(arm, q, qd):
-    return np.linalg.norm(np.einsum("mij,mj->mi", arm.jacobian(q)[:, :3], qd), axis=1)
-
-
-def sampled(made, count=8001):
-    ts = np.linspace(0.0, made.trajectory.duration, count)
-    return ts, *made.trajectory.sample(ts)
-
-
 @pytest.fixture(scope="module")
-def figure_2r(arm_2r, heart):
-    q = plan(arm_2r, [Waypoint(position=heart[0])], Q_2R).trajectory.q_goal
+def figure_2r(arm_2r, heart, q_2r):
+    q = plan(arm_2r, [Waypoint(position=heart[0])], q_2r).trajectory.q_goal
     return plan(arm_2r, [Waypoint(position=p, speed=0.2) for p in heart], q, closed=True)
 
 
@@ -54,7 +40,9 @@ def figure_6(arm_6, q_6, poses_6):
 
 
 @pytest.mark.parametrize("which", ["2r", "6"])
-def test_a_closed_figure_keeps_limits_path_and_speed(which, request, worst_use):
+def test_a_closed_figure_keeps_limits_path_and_speed(
+    which, request, worst_use, tool, tool_speed, sampled
+):
     arm = request.getfixturevalue("arm_2r" if which == "2r" else "arm_6")
     made = request.getfixturevalue(f"figure_{which}")
     assert worst_use(made.trajectory, 20_001) <= 1.0 + 1e-9
@@ -65,7 +53,7 @@ def test_a_closed_figure_keeps_limits_path_and_speed(which, request, worst_use):
         assert tool_speed(arm, q, qd).max() <= 0.2 * (1.0 + 1e-9)
 
 
-def test_a_closed_figure_passes_its_waypoints_in_order(figure_2r, arm_2r, heart):
+def test_a_closed_figure_passes_its_waypoints_in_order(figure_2r, arm_2r, heart, tool):
     times = figure_2r.waypoint_times
     assert times[0] == 0.0
     assert (np.diff(times) > 0.0).all()
@@ -100,7 +88,7 @@ def test_the_orientations_of_poses_are_passed(figure_6, arm_6, poses_6):
     assert quaternion.angle_between(have, want).max() < TOLERANCE / 0.1
 
 
-def test_the_start_need_not_be_a_waypoint_of_a_closed_figure(arm_2r, heart, figure_2r):
+def test_the_start_need_not_be_a_waypoint_of_a_closed_figure(arm_2r, heart, figure_2r, tool):
     made = plan(
         arm_2r, [Waypoint(position=p) for p in heart[1:]], figure_2r.trajectory.q_start, closed=True
     )
@@ -116,15 +104,15 @@ def test_the_start_need_not_be_a_waypoint_of_a_closed_figure(arm_2r, heart, figu
     assert again.trajectory.duration == pytest.approx(made.trajectory.duration, rel=1e-6)
 
 
-def test_an_open_run_begins_where_the_tool_is(arm_2r, heart):
-    made = plan(arm_2r, [Waypoint(position=p) for p in heart[1:4]], Q_2R)
-    assert np.allclose(made.tool_path.p_start, tool(arm_2r, Q_2R))
-    assert np.array_equal(made.trajectory.q_start, Q_2R)
+def test_an_open_run_begins_where_the_tool_is(arm_2r, heart, q_2r, tool):
+    made = plan(arm_2r, [Waypoint(position=p) for p in heart[1:4]], q_2r)
+    assert np.allclose(made.tool_path.p_start, tool(arm_2r, q_2r))
+    assert np.array_equal(made.trajectory.q_start, q_2r)
     assert np.allclose(tool(arm_2r, made.trajectory.q_goal), heart[3], atol=TOLERANCE)
     assert made.waypoint_times[-1] == made.trajectory.duration
 
 
-def test_stops_and_dwells_are_kept(arm_2r, heart, figure_2r):
+def test_stops_and_dwells_are_kept(arm_2r, heart, figure_2r, tool, sampled):
     asks = {3: {"stop": True}, 6: {"dwell": 0.4}}
     waypoints = [Waypoint(position=p, **asks.get(i, {})) for i, p in enumerate(heart)]
     made = plan(arm_2r, waypoints, figure_2r.trajectory.q_start, closed=True)
@@ -140,7 +128,7 @@ def test_stops_and_dwells_are_kept(arm_2r, heart, figure_2r):
     assert figure_2r.tool_path.distance(tool(arm_2r, q)).max() < TOLERANCE
 
 
-def test_each_way_has_its_own_speed(arm_2r, heart, figure_2r):
+def test_each_way_has_its_own_speed(arm_2r, heart, figure_2r, tool_speed, sampled):
     speeds = [None, 0.05, None, 0.1, None]
     waypoints = [Waypoint(position=p, speed=v) for p, v in zip(heart[:5], speeds, strict=True)]
     made = plan(arm_2r, waypoints, figure_2r.trajectory.q_start)
@@ -153,7 +141,7 @@ def test_each_way_has_its_own_speed(arm_2r, heart, figure_2r):
     assert speed.max() > 0.15
 
 
-def test_all_kinds_of_moves_go_together(arm_6, q_6, poses_6, worst_use):
+def test_all_kinds_of_moves_go_together(arm_6, q_6, poses_6, worst_use, tool, sampled):
     waypoints = [
         Waypoint(pose=poses_6[1]),
         Waypoint(pose=poses_6[2]),
@@ -173,27 +161,27 @@ def test_all_kinds_of_moves_go_together(arm_6, q_6, poses_6, worst_use):
 
 
 @pytest.mark.parametrize("move", PLAIN_MOVES)
-def test_to_be_there_already_takes_no_time(arm_2r, move):
-    made = plan(arm_2r, [Waypoint(q=Q_2R, move=move)] * 2, Q_2R, closed=move is Move.LINE)
+def test_to_be_there_already_takes_no_time(arm_2r, move, q_2r, tool):
+    made = plan(arm_2r, [Waypoint(q=q_2r, move=move)] * 2, q_2r, closed=move is Move.LINE)
     assert made.trajectory.duration == 0.0
     assert made.waypoint_times.tolist() == [0.0, 0.0]
-    assert np.array_equal(made.trajectory.at(0.0).q, Q_2R)
-    assert np.array_equal(made.trajectory.at(1.0).q, Q_2R)
-    assert np.allclose(made.tool_path.sample(3), tool(arm_2r, Q_2R))
-    assert made.tool_path.distance(tool(arm_2r, Q_2R)[None]).tolist() == [0.0]
+    assert np.array_equal(made.trajectory.at(0.0).q, q_2r)
+    assert np.array_equal(made.trajectory.at(1.0).q, q_2r)
+    assert np.allclose(made.tool_path.sample(3), tool(arm_2r, q_2r))
+    assert made.tool_path.distance(tool(arm_2r, q_2r)[None]).tolist() == [0.0]
     assert made.tool_path.length == 0.0
     assert len(made.peaks()) == 6
 
 
-def test_repeated_waypoints_are_one_and_their_dwells_add_up(arm_2r, heart):
+def test_repeated_waypoints_are_one_and_their_dwells_add_up(arm_2r, heart, q_2r):
     waypoints = [
-        Waypoint(q=Q_2R, dwell=0.3),
+        Waypoint(q=q_2r, dwell=0.3),
         Waypoint(position=heart[1]),
         Waypoint(position=heart[1], dwell=0.2),
         Waypoint(position=heart[1], dwell=0.1),
         Waypoint(position=heart[2]),
     ]
-    made = plan(arm_2r, waypoints, Q_2R)
+    made = plan(arm_2r, waypoints, q_2r)
     t = made.waypoint_times
     assert t[0] == 0.0
     assert not made.trajectory.at(0.29).qd.any()
@@ -208,18 +196,18 @@ def test_a_run_of_poses_and_positions_is_refused(arm_6, q_6, poses_6):
         plan(arm_6, waypoints, q_6)
 
 
-def test_an_unreachable_waypoint_is_named(arm_2r, heart):
+def test_an_unreachable_waypoint_is_named(arm_2r, heart, q_2r):
     waypoints = [Waypoint(position=heart[1]), Waypoint(position=[0.7, 0, 0.06], name="far")]
     with pytest.raises(UnreachableError, match="waypoint 2 'far' is out of reach by 150 mm"):
-        plan(arm_2r, waypoints, Q_2R)
+        plan(arm_2r, waypoints, q_2r)
     with pytest.raises(UnreachableError, match=r"waypoint 1 is out of reach by"):
-        plan(arm_2r, [Waypoint(position=[0.7, 0, 0.06], move=Move.JOINT)], Q_2R)
+        plan(arm_2r, [Waypoint(position=[0.7, 0, 0.06], move=Move.JOINT)], q_2r)
 
 
-def test_wrong_arguments_are_refused(arm_2r, arm_6, heart):
+def test_wrong_arguments_are_refused(arm_2r, arm_6, heart, q_2r):
     waypoint = Waypoint(position=heart[1])
     with pytest.raises(ValueError, match="waypoints: want at least one"):
-        plan(arm_2r, [], Q_2R)
+        plan(arm_2r, [], q_2r)
     with pytest.raises(ValueError, match="q_start"):
         plan(arm_2r, [waypoint], np.zeros(3))
     with pytest.raises(ValueError, match="q_start"):
@@ -227,14 +215,14 @@ def test_wrong_arguments_are_refused(arm_2r, arm_6, heart):
     with pytest.raises(LimitError, match="elbow"):
         plan(arm_2r, [waypoint], [0.0, 2.7])
     with pytest.raises(LimitError, match="shoulder"):
-        plan(arm_2r, [Waypoint(q=[3.0, 0.0], move=Move.JOINT)], Q_2R)
+        plan(arm_2r, [Waypoint(q=[3.0, 0.0], move=Move.JOINT)], q_2r)
     with pytest.raises(ValueError, match=r"waypoint 1: want 2 joint positions, got 3"):
-        plan(arm_2r, [Waypoint(q=np.zeros(3))], Q_2R)
+        plan(arm_2r, [Waypoint(q=np.zeros(3))], q_2r)
     with pytest.raises(ValueError, match="limits"):
-        plan(arm_2r, [waypoint], Q_2R, limits=arm_6.limits)
+        plan(arm_2r, [waypoint], q_2r, limits=arm_6.limits)
     for tolerance in (0.0, -1.0, float("nan")):
         with pytest.raises(ValueError, match="position_tolerance"):
-            plan(arm_2r, [waypoint], Q_2R, position_tolerance=tolerance)
+            plan(arm_2r, [waypoint], q_2r, position_tolerance=tolerance)
 
 
 def test_a_limit_of_jerk_is_kept_by_every_move(arm_6, q_6, poses_6, worst_use):
@@ -258,7 +246,7 @@ def test_a_limit_of_jerk_is_kept_by_every_move(arm_6, q_6, poses_6, worst_use):
     assert plain.trajectory.duration < made.trajectory.duration < 3.0 * plain.trajectory.duration
 
 
-def test_accelerations_of_the_tool_are_kept_if_asked_for(arm_6, q_6, poses_6):
+def test_accelerations_of_the_tool_are_kept_if_asked_for(arm_6, q_6, poses_6, tool, tool_speed):
     limits = MotionLimits(joints=arm_6.limits, arm=arm_6, tool_acceleration=0.8, tool_speed=0.15)
     made = plan(arm_6, [Waypoint(pose=pose) for pose in poses_6[1:4]], q_6, limits=limits)
     ts = np.linspace(0.0, made.trajectory.duration, 20_001)
@@ -272,10 +260,10 @@ def test_accelerations_of_the_tool_are_kept_if_asked_for(arm_6, q_6, poses_6):
     assert "tool speed" in told
 
 
-def test_limits_of_a_plan_are_those_it_was_given(arm_2r, heart):
+def test_limits_of_a_plan_are_those_it_was_given(arm_2r, heart, q_2r):
     limits = arm_2r.limits.scaled(0.5)
     waypoints = [Waypoint(position=p) for p in heart[1:4]]
-    slow, quick = plan(arm_2r, waypoints, Q_2R, limits=limits), plan(arm_2r, waypoints, Q_2R)
+    slow, quick = plan(arm_2r, waypoints, q_2r, limits=limits), plan(arm_2r, waypoints, q_2r)
     assert slow.trajectory.duration == pytest.approx(2.0 * quick.trajectory.duration, rel=1e-6)
     assert slow.trajectory.limits is limits
     shares = [abs(p.value / p.limit) for p in slow.peaks() if p.quantity == "acceleration"]
@@ -283,7 +271,7 @@ def test_limits_of_a_plan_are_those_it_was_given(arm_2r, heart):
 
 
 def test_a_joint_move_starts_and_ends_where_it_should(make_limits):
-    limits = make_limits([1.0, 2.0], [3.0, 4.0], [2.0, 2.0])
+    limits = make_limits([1.0, 2.0], [3.0, 4.0], q_max=[2.0, 2.0])
     motion = plan_joint_move(limits, [0.0, 1.0], [1.5, -1.0])
     assert motion.at(0.0).q.tolist() == [0.0, 1.0]
     assert motion.at(motion.duration).q.tolist() == [1.5, -1.0]
@@ -297,7 +285,7 @@ def test_a_joint_move_starts_and_ends_where_it_should(make_limits):
         plan_joint_move(limits, [0.0, 1.0], [0.0])
 
 
-def test_a_plan_stops_along_its_path(arm_6, figure_6, worst_use):
+def test_a_plan_stops_along_its_path(arm_6, figure_6, worst_use, tool):
     duration = figure_6.trajectory.duration
     for t in np.linspace(0.03, 0.97, 12) * duration:
         stop = figure_6.trajectory.stop_from(t)
@@ -324,7 +312,9 @@ def test_a_tool_path_is_sampled_evenly(figure_2r, arm_2r):
 @pytest.mark.property
 @settings(max_examples=12, deadline=None)
 @given(seed=st.integers(0, 99_999))
-def test_any_plan_keeps_limits_path_and_waypoints_or_says_why_not(arm_2r, arm_6, seed, worst_use):
+def test_any_plan_keeps_limits_path_and_waypoints_or_says_why_not(
+    arm_2r, arm_6, seed, worst_use, tool, sampled
+):
     rng = np.random.default_rng(seed)
     arm = arm_2r if rng.random() < 0.5 else arm_6
     limits = arm.limits

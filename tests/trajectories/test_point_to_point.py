@@ -1,10 +1,6 @@
 """Quickest motions from state to state: against an oracle, by their laws, at their edges."""
 
-import json
 import math
-import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -501,7 +497,6 @@ def test_the_old_goal_taken_up_again_takes_what_was_left():
 
 
 MOTIONS = """
-import json, sys
 import numpy as np
 from splinearm.joints import JointKind, JointLimits, JointSetpoint
 from splinearm.trajectories.point_to_point import point_to_point
@@ -521,19 +516,8 @@ for n, jerk in ((1, 30.0), (2, 4.0), (2, None)):
         span = profile.position_range()
         found += [*profile.sample(np.linspace(0, profile.duration, 7)), span.q_low, span.t_high]
     found.append(through(limits, rng.normal(size=(4 - n, n)))[1])
-json.dump([np.asarray(one).ravel().tolist() for one in found], sys.stdout)
 """
 
 
-def test_kernels_give_the_same_motions_as_plain_python():
-    found = []
-    for flag in ("0", "1"):
-        done = subprocess.run(
-            [sys.executable, "-c", MOTIONS],
-            env={**os.environ, "NUMBA_DISABLE_JIT": flag},
-            capture_output=True,
-            check=True,
-        )
-        found.append(json.loads(done.stdout))
-    for compiled, plain in zip(*found, strict=True):
-        np.testing.assert_allclose(compiled, plain, rtol=1e-12, atol=1e-12)
+def test_kernels_give_the_same_motions_as_plain_python(compiled_as_plain):
+    compiled_as_plain(MOTIONS, 93, rtol=1e-12)

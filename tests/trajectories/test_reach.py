@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from splinearm.curves.segment import Line, arc_through
+from splinearm.curves.segment import Arc, Line
 from splinearm.kinematics import quaternion
 from splinearm.trajectories.path import ToolPlaces, course_path, spline_path
 from splinearm.trajectories.reach import PathLabels
@@ -39,7 +39,7 @@ def test_a_turn_on_the_spot_is_measured_in_degrees():
 
 def test_arcs_and_splines_are_measured_along_themselves():
     start, via, end = np.array([[1.0, 0, 0], [np.sqrt(0.5), np.sqrt(0.5), 0], [0, 1.0, 0]])
-    arc = arc_through(start, via, end)
+    arc = Arc.through(start, via, end)
     path = course_path(ToolPlaces(np.array([start, end]), None), [arc], np.zeros(2), NAMES)
     place = PathLabels(NAMES).place(path, 0.5 * path.domain[1])
     assert f"{1e3 * np.pi / 4:.4g} mm along it," in place

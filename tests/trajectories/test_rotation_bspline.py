@@ -1,8 +1,3 @@
-import json
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -217,8 +212,7 @@ def test_what_does_not_fit_is_refused(change, message):
         RotationBSpline(**(fields | change))
 
 
-AGREE = """
-import json
+KERNELS = """
 import numpy as np
 from splinearm.kinematics import quaternion
 from splinearm.trajectories.orientation import RotationPolyline, interpolate_orientations
@@ -231,23 +225,9 @@ for curve in (
 ):
     state = np.empty(10)
     curve.into(2.0, state)
-    found += [state.tolist()]
-    found += [np.hstack(curve.at(np.linspace(*curve.domain, 30))).ravel().tolist()]
-print(json.dumps(found))
+    found += [state, np.hstack(curve.at(np.linspace(*curve.domain, 30)))]
 """
 
 
-def test_compiled_and_plain_sampling_agree():
-    outputs = []
-    for off in ("0", "1"):
-        result = subprocess.run(
-            [sys.executable, "-W", "error", "-c", AGREE],
-            capture_output=True,
-            text=True,
-            env={**os.environ, "NUMBA_DISABLE_JIT": off},
-            check=False,
-        )
-        assert result.returncode == 0, result.stderr
-        outputs.append(json.loads(result.stdout))
-    for fast, plain in zip(*outputs, strict=True):
-        np.testing.assert_allclose(fast, plain, rtol=0, atol=1e-12 * max(1.0, np.abs(plain).max()))
+def test_compiled_and_plain_sampling_agree(compiled_as_plain):
+    compiled_as_plain(KERNELS, 6)

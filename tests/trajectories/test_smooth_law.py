@@ -1,8 +1,3 @@
-import json
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -161,7 +156,6 @@ def test_double_s_reaches_its_end_within_its_limits(way, speed, acceleration, je
 
 
 KERNELS = """
-import json
 import numpy as np
 from splinearm.curves.interpolation import interpolate
 from splinearm.joints import JointKind, JointLimits
@@ -187,21 +181,8 @@ for some, passage in ((limits, Passage(jerk_max=1e3)), (every, None)):
     law = quickest_smooth(path, some, passage=passage, cells=8)
     found += [law.s, law.t, law.speed, law.growth]
     found.append(law.states(np.linspace(0, law.duration, 50)).ravel())
-print(json.dumps([array.tolist() for array in found]))
 """
 
 
-def test_compiled_and_plain_kernels_agree():
-    found = []
-    for plain in "01":
-        result = subprocess.run(
-            [sys.executable, "-W", "error", "-c", KERNELS],
-            capture_output=True,
-            text=True,
-            env={**os.environ, "NUMBA_DISABLE_JIT": plain},
-            check=False,
-        )
-        assert result.returncode == 0, result.stderr
-        found.append(json.loads(result.stdout))
-    for a, b in zip(*found, strict=True):
-        np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-9 * np.abs(b).max())
+def test_compiled_and_plain_kernels_agree(compiled_as_plain):
+    compiled_as_plain(KERNELS, 10, rtol=1e-9, atol=1e-9)

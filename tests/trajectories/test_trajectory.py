@@ -177,7 +177,7 @@ def test_a_time_must_be_a_finite_number(t, make_motion):
 @given(seed=st.integers(0, 9999))
 def test_peaks_are_the_largest_values_of_a_dense_sample(seed, make_limits, make_motion):
     motion = make_motion(seed)
-    limits = make_limits(motion.limits.qd_max, motion.limits.qdd_max, [4.0] * 4)
+    limits = make_limits(motion.limits.qd_max, motion.limits.qdd_max, q_max=[4.0] * 4)
     motion = JointTrajectory(motion.sections, motion.q_start, limits)
     found = peaks(motion)
     assert [peak.joint for peak in found] == [name for name in limits.names for _ in range(3)]

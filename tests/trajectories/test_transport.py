@@ -4,7 +4,7 @@ import pytest
 from splinearm.curves.bspline import BSpline
 from splinearm.curves.course import Course
 from splinearm.curves.interpolation import interpolate
-from splinearm.curves.segment import arc_about
+from splinearm.curves.segment import Arc
 from splinearm.errors import CurveError
 from splinearm.kinematics import quaternion
 from splinearm.trajectories.transport import TransportedOrientation
@@ -44,7 +44,7 @@ def test_rates_are_those_of_differences(wavy):
 
 
 def test_on_a_circle_it_turns_about_its_axis_by_the_angle_gone():
-    arc = arc_about([0.1, 0, 0], [0.1, 0, 0], [0, 0, 0], [0, 0, 1])
+    arc = Arc.about([0.1, 0, 0], [0.1, 0, 0], [0, 0, 0], [0, 0, 1])
     course = Course([arc], np.array([0.0, arc.length]), np.zeros(2))
     start = quaternion.normalize(np.array([0.5, -0.1, 0.7, 0.3]))
     s = np.linspace(0.0, arc.length, 50)
@@ -56,7 +56,7 @@ def test_on_a_circle_it_turns_about_its_axis_by_the_angle_gone():
 
 def test_on_a_helix_the_turn_is_less_than_the_turns_by_its_torsion():
     # after a full turn the transported frame lags by 2 pi times the sine of the pitch angle
-    helix = arc_about([0.1, 0, 0], [0.1, 0, 0.2], [0, 0, 0], [0, 0, 1])
+    helix = Arc.about([0.1, 0, 0], [0.1, 0, 0.2], [0, 0, 0], [0, 0, 1])
     course = Course([helix], np.array([0.0, helix.length]), np.zeros(2))
     end = TransportedOrientation(course, ONE).at(np.array([helix.length])).quat[0]
     tangent = helix.at(np.zeros(1), 1)[0] / helix.length

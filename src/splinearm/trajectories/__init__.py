@@ -5,7 +5,7 @@ waypoints become a motion. Stands on ``curves``. Knows nothing of servos, files 
 
 From waypoints to a motion: ``place`` sorts waypoints into runs, ``leg`` makes each run a way of the
 tool (``path``), ``stretch`` chooses the configuration in which the joints follow it (``resolve``),
-``pacing`` finds the quickest time law on it, by
+``law_choice`` has the quickest time law on it found, by
 ``timing`` or, where jerk is limited, by ``smooth_timing``, and ``plan`` puts the sections together
 to a ``JointTrajectory``. Without a way to follow, ``point_to_point`` makes a motion from state to
 state. While it runs, ``pace`` slows it down, hurries it and stops it on its path.

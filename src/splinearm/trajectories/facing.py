@@ -3,16 +3,15 @@
 The rates are exact derivatives of the frame. They are as smooth as the way and its normals.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from splinearm.arrays import ArrayInput, FloatArray
-from splinearm.errors import CurveError
 from splinearm.kinematics import quaternion
 
+from .carrying import no_direction, node_before, nodes_of, steps
 from .turning import SpaceJet, Turning, inside
 
 _TURN = 0.1
@@ -24,8 +23,6 @@ _FINE_TURN = 0.006
 _LEAST = 64
 """The fewest nodes of a smooth piece."""
 
-_MOST_NODES = 100_000
-
 _STILL = 1e-9
 """Where the way goes on at less than this share of its usual rate it has no direction."""
 
@@ -34,8 +31,6 @@ _BESIDE = 1e-9
 
 _CORNER = 1e-6
 """A change of direction at a break above this, rad, is a corner."""
-
-_GAUSS = 0.5 - np.sqrt(3.0) / 6.0, 0.5 + np.sqrt(3.0) / 6.0
 
 
 class NormalJet(NamedTuple):
@@ -72,8 +67,8 @@ class TravelFacing:
 
     def __post_init__(self) -> None:
         _check_corners(self.way)
-        _grid(self.way, lambda u: self.way.normals(u).unit, _TURN)
-        _grid(self.way, lambda u: _unit(self._across(u)), _TURN)
+        for direction in (lambda u: self.way.normals(u).unit, lambda u: _unit(self._across(u))):
+            nodes_of(self.breaks, direction, _TURN, _LEAST)
 
     @property
     def domain(self) -> tuple[float, float]:
@@ -116,7 +111,7 @@ class TravelFacing:
         beside: FloatArray = slope - _dot(slope, unit) * unit
         still = np.linalg.norm(beside, axis=1) <= _STILL * rates.max()
         if still.any():
-            raise _no_direction("the way has no direction there", u[int(np.argmax(still))])
+            raise no_direction("the way has no direction there", u[int(np.argmax(still))])
         return beside
 
 
@@ -141,12 +136,11 @@ class CarriedFacing:
 
     def __post_init__(self) -> None:
         _check_corners(self.way)
-        nodes = _grid(self.way, lambda u: self.way.normals(u).unit, _FINE_TURN)
+        nodes = nodes_of(self.breaks, lambda u: self.way.normals(u).unit, _FINE_TURN, _LEAST)
         z = self.sign * self.way.normals(nodes).unit
-        steps = self._steps(nodes[:-1], np.diff(nodes))
         quats = np.empty((len(nodes), 4))
         quats[0] = self._first(z[0])
-        for i, step in enumerate(steps):
+        for i, step in enumerate(steps(self._omega, nodes[:-1], np.diff(nodes))):
             carried = quaternion.multiply(step, quats[i])
             quats[i + 1] = _aligned(carried[None], z[i + 1][None])[0]
         object.__setattr__(self, "nodes", nodes)
@@ -170,20 +164,10 @@ class CarriedFacing:
         """
         u = inside(u, self.domain)
         z, dz, ddz = (self.sign * part for part in self.way.normals(u))
-        node = np.clip(np.searchsorted(self.nodes, u, side="right") - 1, 0, len(self.nodes) - 2)
-        steps = self._steps(self.nodes[node], u - self.nodes[node])
-        quat = _aligned(quaternion.multiply(steps, self.quats[node]), z)
+        node = node_before(self.nodes, u)
+        turns = steps(self._omega, self.nodes[node], u - self.nodes[node])
+        quat = _aligned(quaternion.multiply(turns, self.quats[node]), z)
         return Turning(quat, np.cross(z, dz), np.cross(z, ddz))
-
-    def _steps(self, start: FloatArray, h: FloatArray) -> FloatArray:
-        """Give the turns from places on by steps h, unit quaternions, shape (m, 4)."""
-        # Magnus expansion of fourth order on two Gauss points (Iserles et al., Lie-group methods,
-        # Acta Numerica 9, 2000, sec. 5)
-        first, second = (self._omega(start + share * h) for share in _GAUSS)
-        width = h[:, None]
-        turn = 0.5 * width * (first + second)
-        turn += np.sqrt(3.0) / 12.0 * width**2 * np.cross(second, first)
-        return quaternion.exp(turn)
 
     def _omega(self, u: FloatArray) -> FloatArray:
         unit, slope, _ = self.way.normals(u)
@@ -233,22 +217,6 @@ def _aligned(quats: FloatArray, z: FloatArray) -> FloatArray:
     return quaternion.normalize(quaternion.multiply(quaternion.normalize(half), quats))
 
 
-def _grid(
-    way: GuidedWay, direction: Callable[[FloatArray], FloatArray], largest: float
-) -> FloatArray:
-    """Give nodes between which a direction turns little; refuse one that turns on the spot."""
-    breaks = way.breaks
-    nodes = np.unique(np.linspace(breaks[:-1], breaks[1:], _LEAST + 1, axis=1))
-    while True:
-        sharp = np.linalg.norm(np.diff(direction(nodes), axis=0), axis=1) > largest
-        if not sharp.any():
-            return nodes
-        middles = 0.5 * (nodes[:-1] + nodes[1:])[sharp]
-        if np.isin(middles, nodes).any() or len(nodes) > _MOST_NODES:
-            raise _no_direction("the tool would have to turn on the spot there", middles[0])
-        nodes = np.sort(np.concatenate((nodes, middles)))
-
-
 def _check_corners(way: GuidedWay) -> None:
     """Refuse a way that has a corner, or whose normals jump, at one of its breaks."""
     breaks = way.breaks
@@ -262,13 +230,9 @@ def _check_corners(way: GuidedWay) -> None:
     bent = np.linalg.norm(slopes[1] - slopes[0], axis=1) > _CORNER * rates
     if bent.any():
         where = inner[int(np.argmax(bent))]
-        raise _no_direction("the way has a corner there; split it and let the tool stop", where)
+        raise no_direction("the way has a corner there; split it and let the tool stop", where)
     jumps = way.normals(behind).unit - way.normals(before).unit
     folded = np.linalg.norm(jumps, axis=1) > _CORNER
     if folded.any():
         where = inner[int(np.argmax(folded))]
-        raise _no_direction("the surface has an edge there, and no single normal", where)
-
-
-def _no_direction(what: str, where: float) -> CurveError:
-    return CurveError(what, f"s = {where:g}")
+        raise no_direction("the surface has an edge there, and no single normal", where)

@@ -17,8 +17,8 @@ from splinearm.kinematics.arm import Arm
 
 from .constraint import SpeedCap
 from .joint_path import JointPath
+from .law_choice import quickest_law
 from .limit import MotionLimits
-from .pacing import quickest_law
 from .path import (
     CartesianPath,
     check_blends,

@@ -1,6 +1,6 @@
 """What limits a motion: joints, torques and the tool."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -58,6 +58,24 @@ class MotionLimits:
         if self.dynamics is None:
             raise ValueError("no_load_speed: it limits torques, which need dynamics")
         object.__setattr__(self, "no_load_speed", value)
+
+    @classmethod
+    def of(cls, arm: Arm, limits: "JointLimits | MotionLimits | None") -> "MotionLimits":
+        """Give the limits of an arm's motion: the arm's own, or others with the arm's tool.
+
+        Args:
+            arm: The arm.
+            limits: What its joints, or joints, torques and tool, may do; None: the arm's limits.
+
+        Raises:
+            ValueError: If they are of another number of joints.
+        """
+        joints = limits.joints if isinstance(limits, MotionLimits) else limits
+        if joints is not None and joints.n != arm.n:
+            raise ValueError(f"limits: want those of {arm.n} joints, got those of {joints.n}")
+        if not isinstance(limits, MotionLimits):
+            return cls(joints=arm.limits if limits is None else limits, arm=arm)
+        return limits if limits.arm is not None else replace(limits, arm=arm)
 
     @property
     def limits_tool(self) -> bool:

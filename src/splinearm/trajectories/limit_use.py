@@ -11,8 +11,8 @@ from splinearm.joints import JointLimits
 from .constraint import SpeedCap
 from .joint_path import JointPath
 from .limit import MotionLimits
-from .pacer import load_torque_pacer
 from .time_law import TimeLaw
+from .timing_entry import torque_kernels
 from .tool_row import sampled_limits
 
 _LOOKS = np.linspace(0.0, 1.0, 5)
@@ -77,7 +77,7 @@ def limit_use(
     if cells == 0:
         return LimitUse(law=law, limits=tuple(names), shares=np.zeros((0, len(names))))
     motion = np.empty((3, cells, len(_LOOKS), path.n))
-    load_torque_pacer().motion(path.breaks, path.coefficients, law.s, law.x, _LOOKS, motion)
+    torque_kernels().motion(path.breaks, path.coefficients, law.s, law.x, _LOOKS, motion)
     _, qd, qdd = np.abs(motion).max(axis=2)
     shares = [qdd / joints.qdd_max]
     shares += [limit.on(law.s).use(law.x) for limit in sampled]

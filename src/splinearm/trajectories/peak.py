@@ -9,6 +9,8 @@ import numpy as np
 from splinearm.arrays import FloatArray
 from splinearm.joints import JointLimits
 
+from .limit import MotionLimits
+from .limit_share import Rates, joint_rates, tool_shares
 from .trajectory import JointTrajectory
 
 _LOOKS = np.linspace(0.0, 1.0 - 1e-9, 9)
@@ -25,7 +27,7 @@ class LimitPeak:
     joint: str
     """Name of the joint."""
     quantity: str
-    """"position", "velocity", "acceleration" or "jerk"."""
+    """"position", "velocity", "acceleration", "jerk" or "torque"."""
     value: float
     """What it is then, in SI, with its sign."""
     limit: float
@@ -45,33 +47,40 @@ class Binding:
     joint: str | None
     """The joint that is at its limit; None: the tool, or nothing, is."""
     quantity: str | None
-    """"velocity", "acceleration" or "jerk" of the joint, or "tool speed"; None: nothing that is
-    looked at is at its limit, as in a rest."""
+    """"velocity", "acceleration", "jerk" or "torque" of the joint, or "tool speed", "tool
+    acceleration", "tool turn rate" or "tool turn acceleration"; None: nothing that is limited is at
+    its limit, as in a rest."""
     share: float
     """Largest share of a limit that is used in this time."""
 
 
 class _Looks(NamedTuple):
     t: FloatArray
-    q: FloatArray
-    rates: dict[str, tuple[FloatArray, FloatArray]]
-    """Values, shape (m, n), and limits, shape (n,), by quantity."""
-    tool: FloatArray
-    """How much of the tool's highest speed is used, shape (m,)."""
+    """When, shape (m,), s: at the nodes, and between them."""
+    joints: Rates
+    tool: dict[str, FloatArray]
+    """How much of each limit of the tool is used, shape (m,), by quantity."""
 
 
-def peaks(trajectory: JointTrajectory) -> tuple[LimitPeak, ...]:
-    """Give for each joint its peaks of position, velocity, acceleration and, if limited, jerk.
+def peaks(trajectory: JointTrajectory, limits: MotionLimits | None = None) -> tuple[LimitPeak, ...]:
+    """Give for each joint its peaks of position and of all its rates that are limited.
 
     Looked at are all nodes of the time law, from both sides, and seven moments between.
+
+    Args:
+        trajectory: The motion.
+        limits: What limits it; None: the limits of its joints.
     """
-    looks, limits = _look(trajectory), trajectory.limits
+    every = MotionLimits(joints=trajectory.limits) if limits is None else limits
+    looks, joints = _look(trajectory, every), every.joints
+    q, _, _ = trajectory.sample(looks.t)
     found = []
-    for j, joint in enumerate(limits.names):
-        i, bound = _nearest_bound(looks.q[:, j], limits, j)
-        rows = [("position", looks.q, i, bound)]
-        for quantity, (values, most) in looks.rates.items():
-            rows.append((quantity, values, int(np.argmax(np.abs(values[:, j]))), float(most[j])))
+    for j, joint in enumerate(joints.names):
+        i, bound = _nearest_bound(q[:, j], joints, j)
+        rows = [("position", q, i, bound)]
+        for quantity, (values, most) in looks.joints.items():
+            i = int(np.argmax(np.abs(values[:, j]) / most[:, j]))
+            rows.append((quantity, values, i, float(most[i, j])))
         found += [
             LimitPeak(
                 joint=joint, quantity=quantity, value=float(v[k, j]), limit=m, t=float(looks.t[k])
@@ -81,17 +90,26 @@ def peaks(trajectory: JointTrajectory) -> tuple[LimitPeak, ...]:
     return tuple(found)
 
 
-def bindings(trajectory: JointTrajectory) -> tuple[Binding, ...]:
-    """Give which limit holds the motion back when, from its start to its end."""
-    looks, names = _look(trajectory), trajectory.limits.names
+def bindings(
+    trajectory: JointTrajectory, limits: MotionLimits | None = None
+) -> tuple[Binding, ...]:
+    """Give which limit holds the motion back when, from its start to its end.
+
+    Args:
+        trajectory: The motion.
+        limits: What limits it; None: the limits of its joints, and the tool's speed where the
+            motion knows of one.
+    """
     if trajectory.duration <= 0.0:
         return ()
+    every = MotionLimits(joints=trajectory.limits) if limits is None else limits
+    looks, names = _look(trajectory, every), every.joints.names
     named: list[tuple[str | None, str | None]] = [
-        (name, quantity) for quantity in looks.rates for name in names
+        (name, quantity) for quantity in looks.joints for name in names
     ]
-    named += [(None, "tool speed"), (None, None)]
-    shares = [np.abs(v) / most for v, most in looks.rates.values()]
-    used = np.column_stack((*shares, looks.tool))
+    named += [*((None, quantity) for quantity in looks.tool), (None, None)]
+    shares = [np.abs(v) / most for v, most in looks.joints.values()]
+    used = np.column_stack((*shares, *looks.tool.values()))
     inside = used[:-1].reshape(-1, len(_LOOKS), used.shape[1])
     cells = inside.max(axis=1)
     # what is at its limit all the way, not what has just come to it
@@ -115,16 +133,12 @@ def bindings(trajectory: JointTrajectory) -> tuple[Binding, ...]:
     return tuple(found)
 
 
-def _look(trajectory: JointTrajectory) -> _Looks:
-    """Give what the joints do at all nodes and between them."""
-    nodes, limits = trajectory.nodes(), trajectory.limits
+def _look(trajectory: JointTrajectory, limits: MotionLimits) -> _Looks:
+    """Give what joints and tool do at all nodes and between them."""
+    nodes = trajectory.nodes()
     t = (nodes[:-1, None] + np.diff(nodes)[:, None] * _LOOKS).ravel()
     t = np.append(t, trajectory.duration)
-    q, qd, qdd = trajectory.sample(t)
-    rates = {"velocity": (qd, limits.qd_max), "acceleration": (qdd, limits.qdd_max)}
-    if limits.qddd_max is not None:
-        rates["jerk"] = (trajectory.jerk(t), limits.qddd_max)
-    return _Looks(t, q, rates, trajectory.tool_share(t))
+    return _Looks(t, joint_rates(trajectory, limits, t), tool_shares(trajectory, limits, t))
 
 
 def _nearest_bound(q: FloatArray, limits: JointLimits, j: int) -> tuple[int, float]:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.curves.segment import Line, Segment, arc_about, arc_through
+from splinearm.curves.segment import Arc, Line, Segment
 from splinearm.errors import CurveError, UnreachableError
 from splinearm.kinematics import ik, quaternion
 from splinearm.kinematics.arm import Arm
@@ -226,9 +226,9 @@ def _segment(start: Place, end: Place) -> Segment:
     first, last = np.asarray(start.p), np.asarray(end.p)
     try:
         if isinstance(end.arc, ArcThrough):
-            return arc_through(first, end.arc.via, last)
+            return Arc.through(first, end.arc.via, last)
         if isinstance(end.arc, ArcAbout):
-            return arc_about(first, last, end.arc.centre, end.arc.normal, end.arc.turns)
+            return Arc.about(first, last, end.arc.centre, end.arc.normal, end.arc.turns)
     except CurveError as error:
         raise CurveError(f"no arc leads there: {error.what}", end.name) from error
     return Line(first, last)

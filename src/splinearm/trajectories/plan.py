@@ -14,9 +14,9 @@ from splinearm.kinematics.arm import Arm
 
 from . import peak, place, stretch
 from .joint_path import JointPath
+from .law_choice import quickest_law
 from .leg import Leg, spline_way, straight_path
 from .limit import MotionLimits
-from .pacing import quickest_law
 from .peak import Binding as Binding
 from .peak import LimitPeak as LimitPeak
 from .place import Place, Start
@@ -38,14 +38,16 @@ class Plan:
     """Where the tool shall go."""
     waypoint_times: FloatArray
     """When each waypoint is passed, or reached where the arm rests, shape (m,), s."""
+    limits: MotionLimits | None = None
+    """What the motion was planned within; None: only the limits of its joints are known."""
 
     def peaks(self) -> tuple[LimitPeak, ...]:
-        """Give where each joint comes nearest to its limits of position, velocity, acceleration."""
-        return peak.peaks(self.trajectory)
+        """Give where each joint comes nearest to each of its limits."""
+        return peak.peaks(self.trajectory, self.limits)
 
     def bindings(self) -> tuple[Binding, ...]:
-        """Give which limit of which joint holds the motion back, from its start to its end."""
-        return peak.bindings(self.trajectory)
+        """Give which limit of joint or tool holds the motion back when."""
+        return peak.bindings(self.trajectory, self.limits)
 
 
 def plan(
@@ -93,7 +95,7 @@ def plan(
         ValueError: If an argument is wrong: runs that mix poses and positions, or limits of
             other joints.
     """
-    every = _every_limit(arm, limits)
+    every = MotionLimits.of(arm, limits)
     arm = replace(arm, limits=every.joints)
     q = _checked_start(arm, waypoints, q_start)
     if not 0.0 < position_tolerance < inf:
@@ -107,6 +109,7 @@ def plan(
         JointTrajectory(tuple(motion.sections), q, arm.limits),
         ToolPath(tuple(motion.curves), arm.fk(q)[:3, 3]),
         np.array([motion.times[i] for i in range(len(waypoints))]),
+        every,
     )
 
 
@@ -215,13 +218,3 @@ def _checked_start(arm: Arm, waypoints: Sequence[Waypoint], q_start: ArrayInput)
             )
         arm.limits.check(waypoint.q)
     return q
-
-
-def _every_limit(arm: Arm, limits: JointLimits | MotionLimits | None) -> MotionLimits:
-    """Give the limits of a motion of an arm; those of the tool are of this arm's tool."""
-    joints = limits.joints if isinstance(limits, MotionLimits) else limits
-    if joints is not None and joints.n != arm.n:
-        raise ValueError(f"limits: want those of {arm.n} joints, got those of {joints.n}")
-    if not isinstance(limits, MotionLimits):
-        return MotionLimits(joints=arm.limits if limits is None else limits, arm=arm)
-    return limits if limits.arm is not None else replace(limits, arm=arm)

@@ -62,9 +62,7 @@ def plan_path(
         LimitError: If ``q_start`` breaks a limit.
         ValueError: If an argument is wrong.
     """
-    every = limits if isinstance(limits, MotionLimits) else None
-    every = every or MotionLimits(joints=limits if isinstance(limits, JointLimits) else arm.limits)
-    every = every if every.arm is not None else replace(every, arm=arm)
+    every = MotionLimits.of(arm, limits)
     arm = replace(arm, limits=every.joints)
     q = frozen_array(q_start, (arm.n,), "q_start")
     arm.limits.check(q)
@@ -79,6 +77,7 @@ def plan_path(
         JointTrajectory(tuple(sections), q, arm.limits),
         ToolPath(tuple(leg.tool for leg in legs), arm.fk(q)[:3, 3]),
         times,
+        every,
     )
 
 

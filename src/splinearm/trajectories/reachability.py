@@ -13,9 +13,9 @@ from splinearm.errors import TrajectoryError
 from splinearm.joints import JointLimits
 
 from .joint_path import JointPath
-from .pacer import load_pacer
 from .sampled_row import Lines
 from .scratch import scratch
+from .timing_entry import kernels
 
 _SLACK = 1e-11
 """By what share rounding may carry an acceleration over its limit."""
@@ -36,7 +36,7 @@ def frame(path: JointPath, limits: JointLimits, s: FloatArray) -> Frame:
     cap = np.full(m, np.inf)
     both = scratch("lines", m - 1, 2, path.n * path.curve.degree)
     most = np.stack((limits.qd_max, limits.qdd_max))
-    load_pacer().joint_rows(path.breaks, path.coefficients, s, most, cap, both)
+    kernels().joint_rows(path.breaks, path.coefficients, s, most, cap, both)
     return Frame(both, cap)
 
 
@@ -54,17 +54,17 @@ def fastest(
     Raises:
         TrajectoryError: If no profile begins and ends at such speeds.
     """
-    pacer = load_pacer()
+    compiled = kernels()
     both, cap = known
     above = below = np.empty((len(s) - 1, 2, 0))
     if more is not None:
         above, below, alone = more
         np.minimum(cap[:-1], alone, out=cap[:-1])
     x, squares = np.empty(len(s)), np.square(ends)
-    answer = pacer.fastest(both, above, below, cap, squares, x)
+    answer = compiled.fastest(both, above, below, cap, squares, x)
     if answer:
         _refuse(answer, ends, x)
-    over = pacer.most_used(both, above, below, x)
+    over = compiled.most_used(both, above, below, x)
     if over > 1.0 + _SLACK:
         # rounding, where lines are steep because joints hardly move
         inner = x / over

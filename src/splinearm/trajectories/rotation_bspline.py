@@ -98,7 +98,7 @@ class RotationBSpline:
     @property
     def domain(self) -> tuple[float, float]:
         """First and last parameter."""
-        return float(self._table[0, 0]), float(self._table[-1, 0])
+        return rotation_table.domain_of(self._table)
 
     @property
     def breaks(self) -> FloatArray:

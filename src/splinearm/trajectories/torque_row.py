@@ -18,9 +18,9 @@ from splinearm.kinematics.dynamics import Drives, Dynamics
 
 from .joint_path import JointPath
 from .limit import MotionLimits
-from .pacer import load_torque_pacer
 from .sampled_row import SHARES, Lines
 from .scratch import scratch
+from .timing_entry import torque_kernels
 
 _LOOKS = np.array([0.1, 0.22, 0.78, 0.9])
 """Where in each cell torques are looked at: parabolas through ``SHARES`` miss most there."""
@@ -101,7 +101,7 @@ class TakenTorque:
         """Give what torques allow, each tightened by ``ease``, shape (cells, n)."""
         cells, n = ease.shape
         lines, alone = scratch("torque_lines", 2, cells, 2, 6 * n), np.empty(cells)
-        load_torque_pacer().lines(
+        torque_kernels().lines(
             self._taken, self._drive, self._s, ease, ceiling, self._reference, lines, alone
         )
         return Lines(lines[0], lines[1], alone)
@@ -123,13 +123,13 @@ class TakenTorque:
         q, qd, qdd = self._motion("torque_looks", x, shares)
         torque = self._torque.dynamics.inverse(q, qd, qdd, out=scratch("torque_out", *q.shape))
         use = np.empty((len(x) - 1, q.shape[2]))
-        load_torque_pacer().use(torque, qd, self._drive, use)
+        torque_kernels().use(torque, qd, self._drive, use)
         return use
 
     def _motion(self, name: str, x: FloatArray, shares: FloatArray) -> FloatArray:
         path, s = self._torque.path, self._s
         out = scratch(name, 3, len(s) - 1, len(shares), path.n)
-        load_torque_pacer().motion(path.breaks, path.coefficients, s, x, shares, out)
+        torque_kernels().motion(path.breaks, path.coefficients, s, x, shares, out)
         return out
 
     def _refuse_weak(self) -> None:

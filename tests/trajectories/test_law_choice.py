@@ -7,9 +7,9 @@ import pytest
 
 from splinearm.kinematics.dynamics import Dynamics
 from splinearm.kinematics.link import Inertia
+from splinearm.trajectories.law_choice import quickest_law
 from splinearm.trajectories.leg import straight_path
 from splinearm.trajectories.limit import MotionLimits
-from splinearm.trajectories.pacing import quickest_law
 from splinearm.trajectories.plan import plan
 from splinearm.trajectories.smooth_law import SmoothLaw
 from splinearm.trajectories.time_law import TimeLaw

@@ -1,10 +1,5 @@
 """The kernels of timing: against plain Python, against rows and programs made in another way."""
 
-import json
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from scipy.optimize import linprog
@@ -12,12 +7,11 @@ from scipy.optimize import linprog
 from splinearm.curves.interpolation import interpolate
 from splinearm.trajectories import constraint
 from splinearm.trajectories.joint_path import JointPath
-from splinearm.trajectories.pacer import load_pacer
 from splinearm.trajectories.reachability import fastest, frame
 from splinearm.trajectories.timing import quickest
+from splinearm.trajectories.timing_entry import kernels
 
-CASES = """
-import json
+KERNELS = """
 import numpy as np
 from splinearm.curves.interpolation import interpolate
 from splinearm.joints import JointKind, JointLimits
@@ -47,27 +41,11 @@ for n, degree in ((1, 3), (3, 5), (2, 3)):
         found += [law.s, law.x, law.t]
     law = quickest(path, limits, (0.1, 0.8), ends=(0.02, 0.01), cells=20)
     found += [law.s, law.x, law.t]
-print(json.dumps([array.tolist() for array in found]))
 """
 
 
-def run(**environment):
-    result = subprocess.run(
-        [sys.executable, "-W", "error", "-c", CASES],
-        capture_output=True,
-        text=True,
-        env={**os.environ, **environment},
-        check=False,
-    )
-    assert result.returncode == 0, result.stderr
-    return json.loads(result.stdout)
-
-
-def test_compiled_and_plain_kernels_agree():
-    fast, plain = run(NUMBA_DISABLE_JIT="0"), run(NUMBA_DISABLE_JIT="1")
-    assert len(fast) == len(plain) == 27
-    for a, b in zip(fast, plain, strict=True):
-        assert np.allclose(a, b, rtol=1e-11, atol=1e-13 * max(np.abs(b).max(), 1e-300))
+def test_compiled_and_plain_kernels_agree(compiled_as_plain):
+    compiled_as_plain(KERNELS, 27, rtol=1e-11, atol=1e-13)
 
 
 def a_path(seed, n, degree, make_limits):
@@ -135,4 +113,4 @@ def test_the_same_problem_twice_is_the_same_law_though_memory_is_used_again(make
     quickest(other, limits, cells=900)
     again = quickest(one, limits)
     assert (first.x == again.x).all()
-    assert load_pacer() is load_pacer()
+    assert kernels() is kernels()
