@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from splinearm.errors import GcodeError
 from splinearm.toolpaths.gcode_interpreter import run_gcode, run_gcode_text
 from splinearm.toolpaths.gcode_machine import NcMachine, NcTool
-from splinearm.toolpaths.gcode_motion import (
+from splinearm.toolpaths.action import (
     ArcFeed,
     Dwell,
     Feed,
@@ -282,5 +282,5 @@ def test_a_program_is_read_from_its_file_with_its_neighbours(tmp_path):
     (tmp_path / "part.ngc").write_text("%\no<step> call [5]\nM2\n%\n")
     (move,) = (a for a in run_gcode(tmp_path / "part.ngc") if isinstance(a, Rapid))
     close(move.end / MM, [5, 0, 0])
-    with pytest.raises(GcodeError, match="none.ngc"):
+    with pytest.raises(GcodeError, match=r"none\.ngc"):
         run_gcode(tmp_path / "none.ngc")

@@ -10,9 +10,9 @@ import numpy as np
 
 from splinearm.arrays import FloatArray
 
+from .action import Action, Dwell, Feed, Rapid, Spindle
 from .gcode_line import Line
 from .gcode_modal import Code, written
-from .gcode_motion import Action, Dwell, Feed, Rapid, Spindle
 from .gcode_state import State
 from .gcode_way import Way
 

@@ -14,6 +14,7 @@ import numpy as np
 from splinearm.arrays import FloatArray
 from splinearm.errors import GcodeError
 
+from .action import Action, Dwell, Message, Pause, Rapid, Spindle, Switch, ToolChange
 from .gcode_block import Block
 from .gcode_cycle import CYCLES, Cycle, drill
 from .gcode_flow import Program, Runner, beside, read_program
@@ -21,7 +22,6 @@ from .gcode_line import Line, read_line
 from .gcode_machine import NcMachine, NcTool
 from .gcode_memory import Memory, ParameterError
 from .gcode_modal import MOTION, Code
-from .gcode_motion import Action, Dwell, Message, Pause, Rapid, Spindle, Switch, ToolChange
 from .gcode_parameter import computed_parameters
 from .gcode_state import INCH, MM, State
 from .gcode_way import NurbsWay, Way

@@ -13,9 +13,9 @@ import numpy as np
 from splinearm.arrays import FloatArray
 from splinearm.curves.bspline import BSpline
 
+from .action import ArcFeed, Feed, SplineFeed
 from .gcode_line import Line
 from .gcode_modal import Code
-from .gcode_motion import ArcFeed, Feed, SplineFeed
 from .gcode_state import MM, OFFSET_LETTERS, State
 
 _SPIRAL_LIMIT = 0.5 * MM

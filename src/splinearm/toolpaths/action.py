@@ -1,6 +1,8 @@
-"""What an NC program lets a machine do: moves in machine coordinates, and what is switched between.
+"""What a machine does: moves of the tool's tip, and what is switched between them.
 
-Lengths in m, speeds in m/s, times in s, whatever unit the program speaks.
+It is what an NC program means when it is read, and what a toolpath is before it is written. Lengths
+in m, speeds in m/s, times in s; places in coordinates of the machine, or of the work where there is
+no machine yet.
 """
 
 from dataclasses import dataclass
@@ -16,8 +18,8 @@ from splinearm.curves.bspline import BSpline
 class Rapid:
     """A straight way as quick as the machine is."""
 
-    line: int
-    """The line of the program, from 1."""
+    line: int = 0
+    """The line of the program, from 1; 0 if no program says it."""
     start: FloatArray
     """Where it begins, shape (3,), m."""
     end: FloatArray
@@ -33,8 +35,8 @@ class Rapid:
 class Cutting:
     """What ways that cut have in common."""
 
-    line: int
-    """The line of the program, from 1."""
+    line: int = 0
+    """The line of the program, from 1; 0 if no program says it."""
     start: FloatArray
     """Where it begins, shape (3,), m."""
     end: FloatArray
@@ -123,7 +125,7 @@ class SplineFeed(Cutting):
 class Dwell:
     """A rest."""
 
-    line: int
+    line: int = 0
     """The line of the program."""
     time: float
     """How long, s."""
@@ -133,7 +135,7 @@ class Dwell:
 class Spindle:
     """The spindle is switched."""
 
-    line: int
+    line: int = 0
     """The line of the program."""
     speed: float
     """How fast it turns, rad/s: above 0 clockwise seen from the machine, below 0 the other way."""
@@ -143,7 +145,7 @@ class Spindle:
 class ToolChange:
     """Another tool is taken."""
 
-    line: int
+    line: int = 0
     """The line of the program."""
     tool: int
     """Its number; 0: none."""
@@ -153,7 +155,7 @@ class ToolChange:
 class Switch:
     """Something else is switched: coolant, overrides, outputs."""
 
-    line: int
+    line: int = 0
     """The line of the program."""
     code: str
     """The code, as in "M8"."""
@@ -163,7 +165,7 @@ class Switch:
 class Pause:
     """The program waits for a person, or ends."""
 
-    line: int
+    line: int = 0
     """The line of the program."""
     code: str
     """M0, M1, M60, M2 or M30."""
@@ -173,7 +175,7 @@ class Pause:
 class Message:
     """Something is said to the person at the machine."""
 
-    line: int
+    line: int = 0
     """The line of the program."""
     text: str
     """What is said."""
