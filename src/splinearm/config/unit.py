@@ -52,6 +52,10 @@ _UNITS: Mapping[str, Unit] = {
     "mm_s": Unit("millimetres per second", MM.si),
     "mm_s2": Unit("millimetres per second squared", MM.si),
     "mm_s3": Unit("millimetres per second cubed", MM.si),
+    "mm_min": Unit("millimetres per minute", _ARITHMETIC.divide(MM.si, Decimal(60))),
+    "rpm": Unit(
+        "turns per minute", _ARITHMETIC.divide(_ARITHMETIC.multiply(_PI, Decimal(2)), Decimal(60))
+    ),
     "deg": DEG,
     "deg_s": Unit("degrees per second", DEG.si),
     "deg_s2": Unit("degrees per second squared", DEG.si),
@@ -65,11 +69,13 @@ _UNITS: Mapping[str, Unit] = {
     "nm": Unit("newton metres", _ONE),
     "n": Unit("newtons", _ONE),
     "v": Unit("volts", _ONE),
+    "a": Unit("amperes", _ONE),
+    "degc": Unit("degrees Celsius", _ONE),
 }
 _FOREIGN = frozenset(
-    {"m", "cm", "um", "in", "inch", "ft", "m_s", "m_s2", "cm_s", "mm_min", "m_min", "nmm", "g"}
-    | {"rad", "rad_s", "rad_s2", "rad_s3", "rev", "turns", "rpm", "ms", "us", "min", "khz"}
-    | {"mv", "ticks", "ratio", "share"}
+    {"m", "cm", "um", "in", "inch", "ft", "m_s", "m_s2", "cm_s", "m_min", "nmm", "g"}
+    | {"rad", "rad_s", "rad_s2", "rad_s3", "rev", "turns", "ms", "us", "min", "khz"}
+    | {"mv", "ma", "degf", "ticks", "ratio", "share"}
 )
 """Units that people also write and that no key here takes: worth a better answer than "unknown"."""
 

@@ -35,8 +35,10 @@ class Dialect:
     """Arcs of larger radii are written as lines where nobody could tell the difference, m."""
     program_marks: bool = False
     """Whether a program begins and ends with %."""
-    comments: str = "("
-    """How a comment begins: ( or ;."""
+    codes: frozenset[str] | None = None
+    """The codes that it takes, as in "G2"; None: all that are understood here."""
+    language: bool = True
+    """Whether it knows parameters, expressions and O words."""
 
     @property
     def resolution(self) -> float:
@@ -53,6 +55,10 @@ _LINUXCNC = Dialect(
     blends=True,
     program_marks=True,
 )
+_GRBL_MODES = """G17 G18 G19 G20 G21 G40 G54 G55 G56 G57 G58 G59 G61 G90 G91 G91.1 G93 G94"""
+_GRBL_DOES = """G0 G1 G2 G3 G4 G10 G28 G28.1 G30 G30.1 G43.1 G49 G53 G80 G92 G92.1
+    M0 M1 M2 M3 M4 M5 M7 M8 M9 M30"""
+
 _GRBL = Dialect(
     name="grbl",
     decimals=4,
@@ -60,6 +66,8 @@ _GRBL = Dialect(
     splines=False,
     tool_changes=False,
     blends=False,
+    codes=frozenset(f"{_GRBL_MODES} {_GRBL_DOES}".split()),
+    language=False,
     largest_radius=10.0,  # it reckons with 24 bits: a micrometre in that
 )
 
