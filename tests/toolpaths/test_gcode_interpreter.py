@@ -8,8 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from splinearm.errors import GcodeError
-from splinearm.toolpaths.gcode_interpreter import run_gcode, run_gcode_text
-from splinearm.toolpaths.gcode_machine import NcMachine, NcTool
 from splinearm.toolpaths.action import (
     ArcFeed,
     Dwell,
@@ -22,6 +20,8 @@ from splinearm.toolpaths.action import (
     Switch,
     ToolChange,
 )  # fmt: skip
+from splinearm.toolpaths.gcode_interpreter import run_gcode, run_gcode_text
+from splinearm.toolpaths.gcode_machine import NcMachine, NcTool
 
 MM = 1e-3
 MOVES = (Rapid, Feed, ArcFeed, SplineFeed)
@@ -59,6 +59,14 @@ def test_feeds_per_minute_per_turn_and_by_time():
     by_time = moves("G93 G1 F2 X1")[0]
     assert by_time.feed is None
     assert by_time.time == pytest.approx(30.0)
+
+
+def test_a_feed_beside_a_change_of_the_unit_is_told():
+    for new, feed in ((False, 60 * MM), (True, 60 * 25.4 * MM)):
+        actions = run_gcode_text("G20 G1 F60 X1", NcMachine(feed_in_new_unit=new))
+        assert "F60 stands beside a change of the unit" in actions[0].text
+        assert actions[1].feed == pytest.approx(feed / 60)
+    assert isinstance(run_gcode_text("G21 G1 F60 X1")[0], Feed)
 
 
 @pytest.mark.parametrize(
@@ -263,7 +271,6 @@ def test_parameters_of_the_machine_can_be_read():
         ("M98 P1", "O word"),
         ("T1.5", "whole number"),
         ("F-1", "at least 0"),
-        ("G20 F5", "beside a change of the unit"),
         ("G0 X[1/0]", "division by zero"),
         ("G0 X#<none>", "never set"),
         ("#5420=1", "only be read"),

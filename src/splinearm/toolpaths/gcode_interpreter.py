@@ -28,6 +28,7 @@ from .gcode_way import NurbsWay, Way
 
 _HOMES = {280: 0, 300: 1, 281: 0, 301: 1}
 _SYSTEMS = (540, 550, 560, 570, 580, 590, 591, 592, 593)
+_UNITS = {200: INCH, 210: MM}
 _PLANES = {170: 2, 180: 1, 190: 0}
 
 
@@ -119,9 +120,8 @@ class Interpreter:
             mode = line.g["feed mode"] // 10
             if mode != modes.feed_mode:
                 modes.feed_mode, modes.feed = mode, 0.0
-        self._unit(line)
-        if "f" in line.values:
-            state.set_feed(line.at_least("f", 0.0))
+        modes.unit = _UNITS.get(line.g.get("unit", 0), modes.unit)
+        yield from self._feed(line)
         yield from self._spindle_and_tools(line)
         yield from self._switches(line)
         if line.g.get("once") == 40:
@@ -132,18 +132,23 @@ class Interpreter:
         yield from self._pauses(line)
         line.require_all_used()
 
-    def _unit(self, line: Line) -> None:
-        """Put a unit in force; refuse a feed beside a change of it, which machines read unlike."""
-        if "unit" not in line.g:
+    def _feed(self, line: Line) -> Iterator[Action]:
+        """Take an F word; beside a change of the unit machines read it unlike, which is told."""
+        state = self.state
+        if "f" not in line.values:
             return
-        unit = INCH if line.g["unit"] == 200 else MM
-        if unit != self.state.modes.unit and "f" in line.values:
-            raise line.refuse(
-                line.texts["f"],
-                "stands beside a change of the unit, where LinuxCNC takes the old and GRBL the new "
-                "one; write the unit on a line before it",
+        value = line.at_least("f", 0.0)
+        unit = _UNITS.get(line.g.get("unit", 0), state.modes.unit)
+        if unit != state.modes.unit:
+            new = state.machine.feed_in_new_unit
+            yield Message(
+                line=line.number,
+                text=f"{line.texts['f'].upper()} stands beside a change of the unit: taken in the "
+                f"{'new' if new else 'old'} one; write the unit on a line before it",
             )
-        self.state.modes.unit = unit
+            if new:
+                state.modes.unit = unit
+        state.set_feed(value)
 
     def _spindle_and_tools(self, line: Line) -> Iterator[Action]:
         state, modes = self.state, self.state.modes

@@ -36,6 +36,9 @@ class NcMachine:
     """Where the tool is when the program begins, shape (3,), m."""
     inches: bool = False
     """Whether programs are in inches until they say otherwise."""
+    feed_in_new_unit: bool = False
+    """Whether an F word beside a change of the unit is in the new one, as GRBL has it; LinuxCNC and
+    the standard take the old one."""
     optional_stop: bool = True
     """Whether M1 pauses."""
     block_delete: bool = False
