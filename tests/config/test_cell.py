@@ -102,6 +102,17 @@ def test_a_bus_without_servos_is_read_like_any_other(sliding_arm_text, written, 
     assert load_cell(written(text)).chain is None
 
 
+def test_what_leads_the_goals_is_everything_unless_the_file_says_less(arm_text, written, edited):
+    assert load_cell(written(arm_text)).feedforward == "full"
+    text = edited(arm_text, "[bus]", '[bus]\nfeedforward = "velocity"')
+    assert load_cell(written(text)).feedforward == "velocity"
+
+
+def test_an_unknown_way_to_lead_the_goals_is_refused(arm_text, edited, refusal):
+    text = edited(arm_text, "[bus]", '[bus]\nfeedforward = "none"')
+    refusal(load_cell, text, "bus.feedforward", '"off", "velocity", "full"')
+
+
 def test_a_job_is_no_arm(job_text, written, refusal):
     remedy = 'wants "splinearm-arm/1", got "splinearm-job/1"'
     refusal(load_cell, job_text, "schema", remedy)

@@ -15,7 +15,8 @@ The keys of an arm file (``schema = "splinearm-arm/1"``)::
         min_deg max_deg         or endless = true
         max_speed_deg_s max_acceleration_deg_s2; optional: max_jerk_deg_s3 max_torque_nm
         mass_kg com_mm inertia_kg_m2        in the link's frame; xx yy zz xy xz yz about com
-    [bus]                       supply_v; optional: baud protocol usual_port
+    [bus]                       supply_v; optional: baud protocol usual_port, and feedforward:
+                                "full" (default), "velocity" or "off": what goals are ahead by
     [[servo]]                   name id model, role ("leader" "shadow" "gripper"), joint,
                                 zero_ticks (or "calibrate"), supply_v if not the bus's
     [servo.registers]           raw register values by the register's name: drive_mode = 1
@@ -34,6 +35,7 @@ from types import MappingProxyType
 
 from splinearm.arrays import FloatArray
 from splinearm.drivers.chain import ServoChain, ServoRole
+from splinearm.drivers.feedforward import KINDS
 from splinearm.errors import ConfigError, LimitError
 from splinearm.joints import JointLimits
 from splinearm.kinematics import Arm, DHConvention, DHLink, Link
@@ -68,6 +70,9 @@ class Cell:
     """Its servos; None if the file names none."""
     poses: Mapping[str, FloatArray]
     """Named joint positions, each of shape (n,), rad or m; "home" is always there."""
+    feedforward: str = "full"
+    """By what the servos' goals are ahead of their setpoints: "full" is speed and load, "velocity"
+    is speed alone, "off" is nothing."""
 
     def to_file_units(self, q: FloatArray) -> FloatArray:
         """Give joint positions in degrees (sliding joints: mm), shape (..., n), of rad or m."""
@@ -151,6 +156,7 @@ def _read_cell(file: Path) -> Cell:
         raise root.refuse("joint", "is missing; give a [[joint]] table for each joint")
     joints = read_joints(tables, convention)
     servos = read_servos(bus, servo_tables, [joint.name for joint in joints])
+    feedforward = bus.choice("feedforward", KINDS, "full")
     chain = read_chain(bus, servos)
     _require_leaders(root, joints, servos)
     limits = _limits(joints, tables, servos)
@@ -163,6 +169,7 @@ def _read_cell(file: Path) -> Cell:
         arm=_arm(name, joints, convention, limits, places),
         chain=chain,
         poses=_read_poses(poses, limits),
+        feedforward=feedforward,
     )
 
 
