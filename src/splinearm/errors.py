@@ -15,6 +15,8 @@ servos do is one of these; each keeps its facts as fields in SI and speaks in th
     │   └── CurveError            a curve that cannot be made or asked there
     ├── ToolpathError
     │   ├── DrawingError          a drawing cannot be read or cut
+    │   ├── ContourError          contours cross or lie where they cannot
+    │   ├── OffsetError           an offset cannot be made that passes its check
     │   ├── GougeError            a toolpath would cut into the part
     │   └── GcodeError            an NC program says what cannot be done
     ├── BusError
@@ -228,6 +230,30 @@ class DrawingError(ToolpathError):
         super().__init__(f"{file}: {where}: {reason}" if where else f"{file}: {reason}")
 
 
+class ContourError(ToolpathError):
+    """Contours cross or lie where they cannot."""
+
+    def __init__(self, what: str, where: tuple[float, float]) -> None:
+        """Take the facts: what is wrong, and the place, m."""
+        self.what = what
+        self.where = where
+        super().__init__(f"{what} at ({where[0] * 1e3:.6g}, {where[1] * 1e3:.6g}) mm")
+
+
+class OffsetError(ToolpathError):
+    """An offset cannot be made that passes its check."""
+
+    def __init__(self, distance: float, what: str, where: tuple[float, float]) -> None:
+        """Take the facts: the distance, m, what is wrong with the result, and the place, m."""
+        self.distance = distance
+        self.what = what
+        self.where = where
+        super().__init__(
+            f"the offset by {distance * 1e3:.6g} mm: {what} at "
+            f"({where[0] * 1e3:.6g}, {where[1] * 1e3:.6g}) mm"
+        )
+
+
 class GougeError(ToolpathError):
     """A toolpath would cut into the part."""
 
@@ -354,6 +380,7 @@ class HealthError(ServoError):
         *,
         unit: str,
         remedy: str,
+        low: bool = False,
         name: str = "",
     ) -> None:
         """Take the facts.
@@ -366,9 +393,10 @@ class HealthError(ServoError):
             limit: From where on the arm stops, in ``unit``.
             unit: "degC", "V", "A" or "%".
             remedy: What would help.
+            low: Whether the limit is a lowest one.
             name: What the arm file calls the servo.
         """
-        relation = "at or below" if quantity == "supply" and value <= limit else "at or above"
+        relation = "at or below" if low else "at or above"
         super().__init__(
             servo_id,
             f"joint {joint!r}: {quantity} {value:.4g} {unit} is {relation} {limit:.4g} {unit}, "
@@ -385,6 +413,9 @@ class HealthError(ServoError):
 
 class MotionError(SplinearmError):
     """Base of what goes wrong while an arm moves."""
+
+    stopped: object = None
+    """Where on its path the motion was left, and what remains of it: a ``StoppedMotion``."""
 
 
 class StartError(MotionError):

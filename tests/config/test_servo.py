@@ -181,7 +181,7 @@ def test_an_initial_value_outside_the_bounds_may_be_written(arm_text, written, e
         (
             ("[bus]", "[bus]\nport = 3"),
             "bus.port",
-            "known are supply_v, baud, protocol, usual_port",
+            "known are supply_v, feedforward, baud, protocol, usual_port",
         ),
     ],
 )

@@ -144,7 +144,7 @@ def test_an_arm_that_could_not_be_entered_gives_its_port_back(open_arm, line):
 
 
 def test_nothing_is_logged_when_all_is_well(open_arm, caplog, setpoint):
-    caplog.set_level(logging.INFO)
+    caplog.set_level(logging.WARNING)
     with open_arm() as arm:
         arm.write(setpoint(1 * DEG, 0.0, 0.0))
         arm.read()

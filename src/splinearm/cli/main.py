@@ -14,7 +14,7 @@ from typing import Protocol
 
 from splinearm.errors import MotionError, SplinearmError, StartError
 
-from . import arms, demo, plan, run, scan, virtual_bus
+from . import arms, demo, gcode, plan, recover, run, scan, virtual_bus
 
 DONE, FAULT, REFUSED, INTERRUPTED = 0, 1, 2, 130
 
@@ -27,7 +27,7 @@ class _Command(Protocol):
         ...
 
 
-_COMMANDS: tuple[_Command, ...] = (demo, run, plan, arms, scan, virtual_bus)
+_COMMANDS: tuple[_Command, ...] = (demo, run, plan, gcode, arms, scan, recover, virtual_bus)
 
 
 def build_parser() -> argparse.ArgumentParser:

@@ -8,6 +8,7 @@ from math import isinf
 import numpy as np
 
 from splinearm.drivers.chain import MAX_SERVO_ID, ServoChain, ServoRole, ServoSpec
+from splinearm.drivers.health_limit import HealthLimits
 from splinearm.drivers.model import ServoModel, servo_model, servo_models
 from splinearm.drivers.registers import Register
 from splinearm.drivers.scaling import MULTI_TURN_MODES, JointScale, operating_mode
@@ -26,6 +27,20 @@ _NOT_FOR_FILES = frozenset(
 
 _TURNS = 256
 """How far from its centre a servo counts its position, turns."""
+
+_HEALTH_KEYS = {
+    "temperature_warn": "warn_temperature_degc",
+    "temperature_stop": "stop_temperature_degc",
+    "voltage_low_warn": "warn_low_supply_v",
+    "voltage_low_stop": "stop_low_supply_v",
+    "voltage_high_warn": "warn_high_supply_v",
+    "voltage_high_stop": "stop_high_supply_v",
+    "current_warn": "warn_current_a",
+    "current_stop": "stop_current_a",
+    "load_warn": "warn_load_percent",
+    "load_stop": "stop_load_percent",
+}
+"""Under which key of ``[servo.health]`` each threshold stands."""
 
 _NO_SECONDARY = 253
 """From here on the Secondary(Shadow) ID means that there is none."""
@@ -167,6 +182,7 @@ def _read_servo(table: Table, supply: float | None, joints: Sequence[str]) -> Se
     zero = table.integer_or("zero_ticks", "calibrate", low=-far, high=far)
     registers = table.table("registers")
     settings = _read_settings(registers, model)
+    health = _read_health(table.table("health"), model)
     own_supply = table.number("supply_v", above=0.0) if "supply_v" in table else supply
     table.finish()
     if own_supply is None:
@@ -179,8 +195,23 @@ def _read_servo(table: Table, supply: float | None, joints: Sequence[str]) -> Se
         joint=joint,
         zero_ticks=zero,
         settings=settings,
+        health=health,
     )
     return Servo(spec, own_supply, table)
+
+
+def _read_health(table: Table, model: ServoModel) -> HealthLimits:
+    """Read from where on a person is told, and from where on the arm stops."""
+    absent = "load" if model.has_current else "current"
+    given = {
+        field: table.number(key, above=0.0)
+        for field, key in _HEALTH_KEYS.items()
+        if not field.startswith(absent) and key in table
+    }
+    measured = "its current" if model.has_current else "a load and no current"
+    table.finish(f"is no threshold of {model.name}, which measures {measured}")
+    with table.blaming(""):
+        return HealthLimits(**given)
 
 
 def _read_joint_name(table: Table, role: ServoRole, joints: Sequence[str]) -> str | None:

@@ -59,3 +59,18 @@ class ArmDriver(Protocol):
     def release(self) -> None:
         """Switch the torque off. An arm without brakes falls."""
         ...
+
+
+class Feedforward(Protocol):
+    """What a driver of servos adds to a setpoint, so that the joints are where the setpoint says.
+
+    A servo follows its goal late, and under a load it rests below it. Both can be foretold.
+    """
+
+    def lead(self, setpoint: JointSetpoint) -> FloatArray:
+        """Give by how much each joint's goal shall be ahead of the setpoint, shape (n,), rad."""
+        ...
+
+    def current(self, setpoint: JointSetpoint) -> FloatArray | None:
+        """Give the Goal Current of each joint, shape (n,), A; None: it is left as it is."""
+        ...

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from types import MappingProxyType
 
+from .health_limit import HealthLimits
 from .model import ServoModel, servo_model
 
 MAX_SERVO_ID = 252
@@ -47,6 +48,8 @@ class ServoSpec:
     """Position register at joint zero, in ticks; None: must be calibrated first."""
     settings: Mapping[str, int] = field(default_factory=dict)
     """Raw values that registers must have, by register name, as in {"Drive Mode": 1}."""
+    health: HealthLimits = field(default_factory=HealthLimits)
+    """How hot, how weakly fed and how hard at work it may be."""
 
     def __post_init__(self) -> None:
         if not 0 <= self.servo_id <= MAX_SERVO_ID:

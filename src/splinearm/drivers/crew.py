@@ -1,6 +1,6 @@
 """The servos that move an arm's joints, sorted by how they get their goals."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -51,6 +51,19 @@ class Crew:
     def leader_of(self, shadow: ServoSpec) -> ServoSpec:
         """Give the leader at the joint of a shadow."""
         return self.leaders[self._index(shadow)]
+
+    @property
+    def led(self) -> dict[int, ServoSpec]:
+        """By id of each coupled shadow its leader."""
+        return {shadow.servo_id: self.leader_of(shadow) for shadow in self.coupled}
+
+    def with_coupled(self, servos: Collection[ServoSpec]) -> list[ServoSpec]:
+        """Give servos and the shadows that obey an id among theirs, leaders first."""
+        return [
+            servo
+            for servo in self.everyone
+            if servo in servos or (servo in self.coupled and self.leader_of(servo) in servos)
+        ]
 
     def _index(self, servo: ServoSpec) -> int:
         return [leader.joint for leader in self.leaders].index(servo.joint)

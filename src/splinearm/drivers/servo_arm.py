@@ -2,49 +2,42 @@
 
 import logging
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping, Sequence
 from types import TracebackType
-from typing import Self
+from typing import Self, Unpack
 
 import numpy as np
 
-from splinearm.arrays import FloatArray
-from splinearm.errors import BusError, SplinearmError
+from splinearm.arrays import ArrayInput, FloatArray
+from splinearm.errors import BusError, BusTimeoutError, SplinearmError
 from splinearm.joints import JointLimits, JointSetpoint, JointState
-from splinearm.units import DEG
 
+from .arm_line import ArmLine, scale_of, whereabouts
+from .arm_option import ArmManner, ArmOptions, known_angles
 from .bus import PingReply, ServoBus
 from .chain import ServoChain
 from .crew import Crew
-from .cyclic import GroupWrite
-from .feedback import Feedback, LastSeen, ServoStats, feedback_address
-from .scaling import IntArray, JointScale, operating_mode
+from .health import HealthReading
+from .lead import GoalLead
+from .recover import Fault, find_faults, recover_servos, restore
+from .scaling import IntArray, operating_mode
+from .servo_stats import LastSeen, ServoStats
 from .stance import switch_off, switch_on, take_stance
 from .startup import (
     call_roll,
     check_health,
     check_settings,
     let_all_answer,
+    read_all,
     require_calibration,
+    require_registers,
     write_ram_settings,
 )
-from .watchdog import Watchdog
+from .watchdog import Watchdog, warn_of_offsets
 
 _log = logging.getLogger(__name__)
 
 _SLACK = 1e-6  # rad: rounding on the way from a plan to here
-
-
-@dataclass(slots=True, eq=False, kw_only=True)
-class _Line:
-    """What moves an arm that was entered."""
-
-    feedback: Feedback
-    goals: GroupWrite
-    joint_index: list[int]
-    scale: JointScale
-    goal: FloatArray
 
 
 class ServoArm:
@@ -55,17 +48,16 @@ class ServoArm:
     the torque away. The bus belongs to the arm from its construction on.
 
     While setpoints flow the servos' own watchdog is armed: if this program dies or the cable is
-    pulled, they stop.
+    pulled, they stop. Servos that have stopped themselves, or come back after their power or the
+    port was gone, are taken up again by ``recover`` and ``reconnect``, without a jump.
 
     Args:
         chain: The servos.
         joint_names: The joints, base to tool.
         limits: What these joints may do.
         bus: The bus they hang on, open.
-        watchdog: Silence after which the servos stop by themselves, s, in steps of 20 ms;
-            None: they do not.
-        hold_tolerance: How far from its goal a joint may be for ``hold`` to keep that goal, rad.
-            With the gains of the factory an arm hangs 1 to 3 degrees below its goals.
+        options: The fields of ``ArmManner``: ``watchdog``, ``hold_tolerance``, ``near``,
+            ``feedforward``.
 
     Raises:
         ValueError: If chain, joints and limits do not fit together, or a servo cannot be a joint.
@@ -77,27 +69,25 @@ class ServoArm:
         joint_names: Sequence[str],
         limits: JointLimits,
         bus: ServoBus,
-        *,
-        watchdog: float | None = 0.1,
-        hold_tolerance: float = 6.0 * DEG,
+        **options: Unpack[ArmOptions],
     ) -> None:
+        manner = ArmManner(**options)
         if tuple(joint_names) != limits.names:
             raise ValueError(f"limits: want those of {tuple(joint_names)}, got {limits.names}")
-        if not hold_tolerance > 0.0:
-            raise ValueError(f"hold_tolerance: want above zero, got {hold_tolerance}")
         if chain.protocol != 2.0:
             raise ValueError(f"chain: want servos of protocol 2.0, got {chain.protocol}")
         self._crew = Crew.of(chain, joint_names)
         for servo in self._crew.everyone:
-            feedback_address(servo.servo_model)
+            require_registers(servo)
             operating_mode(servo)
         self._limits = limits
+        self._near = known_angles(manner.near, limits.n)
         self._bus = bus
-        self._hold_tolerance = hold_tolerance
-        self._watchdog = Watchdog(bus, self._crew.everyone, watchdog)
-        self._silence = watchdog
+        self._hold_tolerance = manner.hold_tolerance
+        self._lead = GoalLead(limits, manner.feedforward)
+        self._watchdog = Watchdog(bus, self._crew.everyone, manner.watchdog)
         self._roll: Mapping[int, PingReply] = {}
-        self._line: _Line | None = None
+        self._line: ArmLine | None = None
         self._on = False
 
     @property
@@ -113,12 +103,12 @@ class ServoArm:
     @property
     def stats(self) -> Mapping[int, ServoStats]:
         """By id of each leader how it has answered so far."""
-        return self._require_line().feedback.stats
+        return self._require_line().exchange.stats
 
     @property
     def last_seen(self) -> LastSeen:
         """The last that each joint said, also when ``read`` raised because of another."""
-        return self._require_line().feedback.last_seen
+        return self._require_line().exchange.last_seen
 
     @property
     def goal(self) -> FloatArray:
@@ -127,6 +117,11 @@ class ServoArm:
         A motion that starts here, not where the arm was measured, starts without a jerk.
         """
         return self._require_line().goal.copy()
+
+    @property
+    def health(self) -> Mapping[int, HealthReading]:
+        """By id how each servo fares: temperature, supply, current or load."""
+        return self._require_line().health.readings
 
     @property
     def watchdog_trips(self) -> int:
@@ -166,13 +161,20 @@ class ServoArm:
         Raises:
             BusTimeoutError: If a servo does not answer; what the others said is in ``last_seen``.
             PacketError: If its answer is damaged.
-            ServoError: If it reports a hardware error.
+            ServoError: If it reports a hardware error or has lost its torque; see ``recover``.
+            HealthError: If a servo is too hot, badly fed or overloaded to go on; it still holds.
+                That is raised once, and again after the next ``hold`` if it is still so.
         """
         line = self._require_line()
+        self._watchdog.feed(time.monotonic())
         try:
-            return line.feedback.read()
-        finally:
-            self._watchdog.feed()
+            state = line.exchange.read()
+        except BusTimeoutError as error:
+            line.health.suspect(error.servo_id)
+            raise
+        effort = np.where(np.isnan(state.current), line.exchange.load, state.current)
+        line.health.look(state.t, effort, torque=self._on)
+        return state
 
     def write(self, setpoint: JointSetpoint) -> None:
         """Send the position of a setpoint; it is valid until the next.
@@ -188,10 +190,13 @@ class ServoArm:
         if not self._on:
             raise RuntimeError("the torque is off since release(); hold() switches it on again")
         self._limits.check(setpoint.q, t=setpoint.t, tolerance=_SLACK)
-        ticks = line.scale.to_ticks(setpoint.q[line.joint_index])
+        line.scale.to_ticks(setpoint.q[line.joint_index])
+        goal = self._lead.goal(setpoint)
+        ticks = self._lead.ticks(goal, line.scale, line.joint_index)
+        current = self._lead.current(setpoint)
         if self._watchdog.lapsed:
             self._watchdog.revive()
-        self._send(line, ticks, setpoint.q)
+        self._send(line, ticks, setpoint.q, current)
         if not self._watchdog.armed:
             self._watchdog.arm()
 
@@ -207,19 +212,93 @@ class ServoArm:
             BusError: After ``release``, if a servo does not answer.
         """
         line = self._require_line()
+        stopped = self._watchdog.revive() if self._watchdog.lapsed else frozenset[int]()
         self._watchdog.disarm()
+        line.health.remind()
         if not self._on:
             self._switch_on()
+            line.health.begin_anew()
             return
         asked = time.monotonic()
         try:
-            line.feedback.read()
+            line.exchange.read()
         except BusError as error:
             _log.warning("holding: %s", error)
-        seen = line.feedback.last_seen
-        strayed = (seen.t >= asked) & (np.abs(seen.q - line.goal) > self._hold_tolerance)
-        q = np.where(strayed, seen.q, line.goal)
-        self._send(line, line.scale.to_nearest_ticks(q[line.joint_index]), q)
+        seen = line.exchange.last_seen
+        heard = seen.t >= asked
+        halted = heard & [servo.servo_id in stopped for servo in self._crew.leaders]
+        strayed = heard & ~halted & (np.abs(seen.q - line.goal) > self._hold_tolerance)
+        q = np.where(halted, seen.q, line.goal)
+        resting = self._lead.resting(q)
+        goal = self._lead.goal(resting)
+        if strayed.any():
+            goal = np.where(strayed, seen.q, goal)
+            q = self._lead.setpoint_at(goal)
+        ticks = line.scale.to_nearest_ticks(goal[line.joint_index])
+        self._send(line, ticks, q, self._lead.current(resting))
+
+    def recover(self, near: ArrayInput | None = None) -> tuple[Fault, ...]:
+        """Bring back servos that have stopped themselves or have lost their torque; hold.
+
+        Only those are rebooted that have latched a hardware error; each gets its settings, its goal
+        is where it stands, then its torque comes on. The others go on holding. Support the arm: a
+        joint without torque sinks until then.
+
+        Args:
+            near: As for the arm: only joints of more than one turn need it, after their power was
+                gone.
+
+        Returns:
+            The hardware errors that were latched.
+
+        Raises:
+            ServoError: Before anything is rebooted, if a servo is still too hot or badly fed, or
+                its encoder has failed; after it, if a servo is as ill as before or which turn its
+                joint is in cannot be told. It says what helps; then recover again.
+            BusError: If a servo does not answer; see ``reconnect``.
+        """
+        line, crew = self._require_line(), self._crew
+        self._watchdog.disarm()
+        torque = read_all(self._bus, crew.everyone, "Torque Enable")
+        ill = {fault.servo.servo_id for fault in find_faults(self._bus, crew.everyone)}
+        known = whereabouts(
+            self._bus, crew, line.scale, near, {i for i, on in torque.items() if on} | ill
+        )
+        faults = recover_servos(self._bus, crew.everyone, line.health.limits)
+        self._take_up(line, known)
+        return faults
+
+    def reconnect(self, port: str | None = None, near: ArrayInput | None = None) -> None:
+        """Take up the arm again after its port, or servos, were gone; hold.
+
+        Opens the port again, calls the roll and checks the servos as on entering. Servos that have
+        lost their torque get their settings; their goals, and those of servos that were stopped by
+        their watchdog, are where they stand.
+
+        Args:
+            port: Where the arm is now; None: where it was.
+            near: As for the arm: only joints of more than one turn need it, after their power was
+                gone.
+
+        Raises:
+            PortError: If the port is not there.
+            BusTimeoutError: If a servo is still missing.
+            ServoError: If a servo is not as the file says, has latched a hardware error (see
+                ``recover``), or which turn its joint is in cannot be told.
+        """
+        line, everyone = self._require_line(), self._crew.everyone
+        self._bus.reopen(port)
+        let_all_answer(self._bus, everyone)
+        self._roll = call_roll(self._bus, everyone)
+        check_settings(self._bus, everyone)
+        stopped = self._watchdog.stopped()
+        self._watchdog.disarm()
+        check_health(self._bus, everyone)
+        torque = read_all(self._bus, everyone, "Torque Enable")
+        known = whereabouts(
+            self._bus, self._crew, line.scale, near, {i for i, on in torque.items() if on}
+        )
+        self._take_up(line, known, stopped)
 
     def release(self) -> None:
         """Switch the torque off, also of shadows. An arm without brakes falls.
@@ -240,55 +319,48 @@ class ServoArm:
         self._roll = call_roll(bus, crew.everyone)
         check_settings(bus, crew.everyone)
         check_health(bus, crew.everyone)
-        self._watchdog = Watchdog(bus, crew.everyone, self._silence)
+        warn_of_offsets(crew.everyone)
+        stopped = self._watchdog.stopped()
         self._watchdog.disarm()
-        write_ram_settings(bus, crew.everyone)
-        self._switch_on()
+        write_ram_settings(bus, crew.everyone, crew.led)
+        self._switch_on(self._near, stopped)
 
-    def _switch_on(self) -> None:
+    def _take_up(self, line: ArmLine, near: FloatArray, stopped: Collection[int] = ()) -> None:
+        """Give servos without torque their settings and, unless the arm is released, torque."""
+        crew = self._crew
+        torque = read_all(self._bus, crew.everyone, "Torque Enable")
+        dark = [servo for servo in crew.everyone if not torque[servo.servo_id]]
+        restore(self._bus, crew.with_coupled(dark), crew.led)
+        line.exchange.lay_out([servo.servo_id for servo in dark])
+        if self._on:
+            self._switch_on(near, stopped)
+        line.health.begin_anew()
+
+    def _switch_on(self, near: FloatArray | None = None, stopped: Collection[int] = ()) -> None:
         """Switch the torque on where the arm stands."""
         crew = self._crew
-        stance = take_stance(self._bus, crew, self._limits, self._hold_tolerance)
-        switch_on(self._bus, crew, stance)
-        servos = [
-            replace(servo, zero_ticks=int(zero))
-            for servo, zero in zip(crew.targets, stance.zero_ticks, strict=True)
-        ]
-        scale = replace(
-            JointScale.of(servos), ticks_min=stance.ticks_min, ticks_max=stance.ticks_max
+        stance = take_stance(
+            self._bus, crew, self._limits, self._hold_tolerance, near=near, stopped=stopped
         )
-        of_leaders = JointScale.of(servos[: self.n])
-        goal = of_leaders.to_q([stance.goals[servo.servo_id] for servo in crew.leaders])
+        scale = scale_of(crew, stance)
+        held = scale.first(self.n).to_q([stance.goals[s.servo_id] for s in crew.leaders])
+        goal = self._lead.setpoint_at(held)
         if self._line is None:
-            self._line = self._connect(scale, of_leaders, goal)
+            self._line = ArmLine.connect(self._bus, crew, self._roll, scale, self._lead, goal)
         else:
-            self._line.scale, self._line.goal = scale, goal
-            self._line.feedback.scale = of_leaders
+            self._line.exchange.scale, self._line.goal = scale, goal
+        switch_on(self._bus, crew, stance)
         self._on = True
 
-    def _connect(self, scale: JointScale, of_leaders: JointScale, goal: FloatArray) -> "_Line":
-        """Prepare what is sent and read in every cycle."""
-        crew = self._crew
-        fast = all(
-            servo.servo_model.has_fast_read(self._roll[servo.servo_id].firmware)
-            for servo in crew.leaders
-        )
-        targets = [(s.servo_id, s.servo_model.table["Goal Position"]) for s in crew.targets]
-        return _Line(
-            feedback=Feedback(self._bus, crew.leaders, of_leaders, fast=fast),
-            goals=GroupWrite(targets),
-            joint_index=crew.joint_index,
-            scale=scale,
-            goal=goal,
-        )
-
-    def _send(self, line: "_Line", ticks: IntArray, q: FloatArray) -> None:
+    def _send(
+        self, line: ArmLine, ticks: IntArray, q: FloatArray, current: FloatArray | None
+    ) -> None:
         """Send goals and remember them."""
-        self._bus.sync_write(line.goals, ticks.tolist())
+        line.exchange.write(ticks, None, None if current is None else current[line.joint_index])
         self._watchdog.feed()
         line.goal = q
 
-    def _require_line(self) -> "_Line":
+    def _require_line(self) -> ArmLine:
         """Give what moves the arm; refuse an arm that was not entered."""
         if self._line is None:
             raise RuntimeError("use the arm in a with-block: it is not connected yet")

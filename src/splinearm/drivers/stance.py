@@ -4,7 +4,7 @@ On every way to torque each servo's goal is first written, then read back, to be
 """
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,6 +37,8 @@ class Stance:
     """By id the goal at which the servo stays where it is, ticks."""
     energised: Mapping[int, bool]
     """By id of every servo whether its torque is on."""
+    written: Mapping[int, int]
+    """By id of every servo what its Goal Position holds."""
     zero_ticks: FloatArray
     """Position register at joint zero in the turn that counts now, shape (m,), ticks."""
     ticks_min: FloatArray
@@ -45,7 +47,15 @@ class Stance:
     """Highest goal that the servo takes, shape (m,), ticks."""
 
 
-def take_stance(bus: ServoBus, crew: Crew, limits: JointLimits, keep: float) -> Stance:
+def take_stance(
+    bus: ServoBus,
+    crew: Crew,
+    limits: JointLimits,
+    keep: float,
+    *,
+    near: FloatArray | None = None,
+    stopped: Collection[int] = (),
+) -> Stance:
     """Find out where the servos stand.
 
     Args:
@@ -55,6 +65,10 @@ def take_stance(bus: ServoBus, crew: Crew, limits: JointLimits, keep: float) -> 
         keep: How far from its goal a servo with torque may stand for that goal to be kept, rad. An
             arm that carries a load hangs a little below its goal; taking where it hangs as the new
             goal would let it sink each time.
+        near: Where the joints are known to be, to less than half a turn, shape (n,), rad; NaN of
+            those that are not. It tells turns that a servo has forgotten.
+        stopped: Ids of servos that their watchdog stopped: they do not stand where their goal is,
+            so it is not kept.
 
     Raises:
         BusError: If a servo does not answer.
@@ -68,7 +82,7 @@ def take_stance(bus: ServoBus, crew: Crew, limits: JointLimits, keep: float) -> 
     for servo in everyone:
         if not torque[servo.servo_id]:
             present[servo.servo_id] = fold(servo, present[servo.servo_id])
-    zeros = _zeros(crew, present, limits)
+    zeros = _zeros(crew, present, limits, near)
     ranges = _ranges(bus, crew)
     for i, servo in enumerate(crew.leaders):
         _check_reach(servo, zeros[i], ranges[servo.servo_id], limits, i)
@@ -76,14 +90,16 @@ def take_stance(bus: ServoBus, crew: Crew, limits: JointLimits, keep: float) -> 
     goals: dict[int, int] = {}
     for servo in crew.targets:
         number = servo.servo_id
-        away = abs(goal[number] - present[number]) / servo.servo_model.pulses_per_rad
-        kept = torque[number] and away <= keep
-        stays = goal[number] if kept else present[number]
+        holders = [number, *(s.servo_id for s in crew.coupled if crew.leader_of(s) is servo)]
+        still = [holder for holder in holders if torque[holder] and holder not in stopped]
+        held = _held(still, goal, present, keep * servo.servo_model.pulses_per_rad)
+        stays = present[number] if held is None else held
         goals[number] = _within(servo, stays, ranges[number])
     bounds = np.array([ranges[servo.servo_id] for servo in crew.targets], dtype=np.float64)
     return Stance(
         goals=goals,
         energised=torque,
+        written=goal,
         zero_ticks=np.array(zeros, dtype=np.float64),
         ticks_min=bounds[:, 0],
         ticks_max=bounds[:, 1],
@@ -93,15 +109,20 @@ def take_stance(bus: ServoBus, crew: Crew, limits: JointLimits, keep: float) -> 
 def switch_on(bus: ServoBus, crew: Crew, stance: Stance) -> None:
     """Write every goal, see that it was taken, then switch the torque on where it is off.
 
+    A servo that has torque and holds the goal that it shall have is not touched.
+
     Raises:
         BusError: If a servo does not answer or refuses.
         ServoError: If a goal was not taken.
     """
+    concerned = [servo for servo in crew.everyone if _is_concerned(servo, crew, stance)]
+    sources = [crew.leader_of(s) if s in crew.coupled else s for s in concerned]
     for servo in crew.targets:
-        register = servo.servo_model.table["Goal Position"]
-        bus.write(servo.servo_id, register, stance.goals[servo.servo_id])
-    taken = read_all(bus, crew.everyone, "Goal Position")
-    for servo in crew.everyone:
+        if servo in sources:
+            register = servo.servo_model.table["Goal Position"]
+            bus.write(servo.servo_id, register, stance.goals[servo.servo_id])
+    taken = read_all(bus, concerned, "Goal Position")
+    for servo in concerned:
         source = crew.leader_of(servo) if servo in crew.coupled else servo
         wanted = stance.goals[source.servo_id]
         if taken[servo.servo_id] != wanted:
@@ -111,7 +132,7 @@ def switch_on(bus: ServoBus, crew: Crew, stance: Stance) -> None:
                 f"{source.servo_id}; the torque stays as it was; reboot the servo",
                 name=servo.name,
             )
-    for servo in crew.everyone:
+    for servo in concerned:
         if not stance.energised[servo.servo_id]:
             bus.write(servo.servo_id, servo.servo_model.table["Torque Enable"], 1)
 
@@ -133,19 +154,44 @@ def switch_off(bus: ServoBus, crew: Crew) -> None:
         raise first
 
 
-def _zeros(crew: Crew, present: Mapping[int, int], limits: JointLimits) -> list[int]:
+def _is_concerned(servo: ServoSpec, crew: Crew, stance: Stance) -> bool:
+    """Tell whether a servo lacks torque, or its goal is not the one at which it stays."""
+    source = crew.leader_of(servo) if servo in crew.coupled else servo
+    number = servo.servo_id
+    return not stance.energised[number] or stance.written[number] != stance.goals[source.servo_id]
+
+
+def _held(
+    holders: Sequence[int], goal: Mapping[int, int], present: Mapping[int, int], keep: float
+) -> int | None:
+    """Give the goal at which one of the servos of a joint holds it, None if none does.
+
+    A shadow may hold alone while its leader has no torque: where its leader begins anew then is
+    where the shadow holds, lest the joint sink.
+    """
+    for number in holders:
+        if abs(goal[number] - present[number]) <= keep:
+            return goal[number]
+    return None
+
+
+def _zeros(
+    crew: Crew, present: Mapping[int, int], limits: JointLimits, near: FloatArray | None
+) -> list[int]:
     """Give the position register at joint zero of every target, in the turn that counts now."""
     zeros: list[int] = []
     for i, servo in enumerate(crew.leaders):
         low, high = float(limits.q_min[i]), float(limits.q_max[i])
+        known = None if near is None or np.isnan(near[i]) else float(near[i])
         ticks = present[servo.servo_id]
-        zeros.append(unwrapped_zero(servo, servo.zero_ticks or 0, ticks, low, high))
+        zero = servo.zero_ticks or 0
+        zeros.append(unwrapped_zero(servo, zero, ticks, low, high, near=known))
     for servo, i in zip(crew.followers, crew.joint_index[len(zeros) :], strict=True):
         leader = crew.leaders[i]
         zero = servo.zero_ticks if servo.zero_ticks is not None else leader.zero_ticks or 0
         q = (present[leader.servo_id] - zeros[i]) / leader.servo_model.pulses_per_rad
         ticks = present[servo.servo_id]
-        zeros.append(unwrapped_zero(servo, zero, ticks, q - np.pi, q + np.pi))
+        zeros.append(unwrapped_zero(servo, zero, ticks, q - np.pi, q + np.pi, near=q))
     return zeros
 
 

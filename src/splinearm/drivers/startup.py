@@ -22,8 +22,29 @@ _log = logging.getLogger(__name__)
 _TRIES = 3
 _NO_SECONDARY_ID = 253
 """From here on the Secondary(Shadow) ID means that there is none."""
+_NEEDED = (
+    "Operating Mode",
+    "Homing Offset",
+    "Bus Watchdog",
+    "Hardware Error Status",
+    "Present Input Voltage",
+    "Present Temperature",
+)
+"""Registers without which a servo cannot be led safely."""
 _ANSWER_ALL = 2
 """Status Return Level at which every instruction is answered."""
+
+
+def require_registers(servo: ServoSpec) -> None:
+    """Refuse a servo that cannot be led and looked after like a joint.
+
+    Raises:
+        ValueError: With the registers that its model lacks.
+    """
+    model = servo.servo_model
+    missing = [name for name in _NEEDED if name not in model.table]
+    if missing:
+        raise ValueError(f"{model.name} cannot be a joint: it has no {' and no '.join(missing)}")
 
 
 def require_calibration(leaders: Sequence[ServoSpec]) -> None:
@@ -189,22 +210,35 @@ def hardware_error(servo: ServoSpec, status: int) -> ServoError:
     faults = " and ".join(servo.servo_model.hardware_errors(status)) or "an unknown fault"
     return ServoError(
         servo.servo_id,
-        f"it has stopped itself: {faults} (Hardware Error Status 0x{status:02X}); remove the "
-        "cause, support the arm, then reboot the servo or switch its power off and on",
+        f"it reports {faults} (Hardware Error Status 0x{status:02X}) and may have cut its torque; "
+        "remove the cause, support the arm, then recover it, which reboots it, or switch its power "
+        "off and on",
         alert=True,
         name=servo.name,
     )
 
 
-def write_ram_settings(bus: ServoBus, servos: Sequence[ServoSpec]) -> None:
+def write_ram_settings(
+    bus: ServoBus, servos: Sequence[ServoSpec], leaders: Mapping[int, ServoSpec] | None = None
+) -> None:
     """Write what the arm's file says of the RAM: gains, profile and the like.
 
     Unless the file says otherwise a servo goes to a goal at once (profile 0): the motion's profile
     is in its setpoints, and a second one would only lag behind.
+
+    Args:
+        bus: The bus.
+        servos: The servos, leaders before their shadows.
+        leaders: By id of each shadow that also obeys its leader's id that leader: what is written
+            to the one reaches the other, so that a shadow has its leader's settings where the file
+            says none of its own.
     """
     for servo in servos:
         table = servo.servo_model.table
         wanted = {"Profile Acceleration": 0, "Profile Velocity": 0}
-        wanted |= {k: v for k, v in servo.settings.items() if table[k].area is Area.RAM}
+        leader = (leaders or {}).get(servo.servo_id)
+        for source in (servo,) if leader is None else (leader, servo):
+            settings = source.settings.items()
+            wanted |= {k: v for k, v in settings if k in table and table[k].area is Area.RAM}
         for name, value in wanted.items():
             bus.write(servo.servo_id, table[name], value)
