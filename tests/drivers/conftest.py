@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
+from splinearm.drivers.bus import PingReply
 from splinearm.drivers.chain import ServoChain, ServoRole, ServoSpec
 from splinearm.drivers.dynamixel import DynamixelBus
 from splinearm.drivers.groups import (
@@ -19,12 +20,30 @@ from splinearm.drivers.groups import (
     parse_sync_read,
     parse_sync_write,
     parse_write,
+    read_params,
 )
 from splinearm.drivers.model import ServoModel, servo_model
-from splinearm.drivers.packets import BROADCAST_ID, Decoder, Instruction, Packet, encode_status
+from splinearm.drivers.packets import (
+    BROADCAST_ID,
+    Decoder,
+    Instruction,
+    Packet,
+    encode,
+    encode_status,
+    write_params,
+)
 from splinearm.drivers.registers import Area
 from splinearm.drivers.servo_arm import ServoArm
+from splinearm.errors import BusTimeoutError, PortError, ServoError
 from splinearm.joints import JointKind, JointLimits, JointSetpoint
+from splinearm.kinematics import Arm, DHConvention, DHLink, Inertia
+from splinearm.sim.line import Line as VirtualLine
+from splinearm.sim.motor import motor_of
+from splinearm.sim.plant import FreePlant
+from splinearm.sim.rig import Rig
+from splinearm.sim.shaft import Shaft
+from splinearm.sim.virtual_bus import VirtualBus
+from splinearm.sim.virtual_servo import VirtualServo
 
 
 @dataclass
@@ -45,6 +64,10 @@ class Servo:
         self["Firmware Version"] = 46
         self["ID"] = self.servo_id
         self["Present Position"] = 2048
+        if "Present Input Voltage" in self.model.table:
+            low, high = self["Min Voltage Limit"], self["Max Voltage Limit"]
+            self["Present Input Voltage"] = (low + high) // 2
+            self["Present Temperature"] = 30
         for name, value in self.values.items():
             self[name] = value
 
@@ -317,3 +340,206 @@ def setpoint():
         return JointSetpoint(t=t, q=np.array(q), qd=np.zeros(len(q)), qdd=np.zeros(len(q)))
 
     return make
+
+
+class DirectBus:
+    """Virtual servos without port and wire: packets go straight to their line, in its own time.
+
+    Every exchange takes 1 ms; ``watch`` is called after each with the bus.
+    """
+
+    port = "direct"
+    margin = 0.001
+    retries: dict[int, int] = {}  # noqa: RUF012 - nothing is ever sent twice
+
+    def __init__(self, chain: ServoChain) -> None:
+        self.baud = chain.baud
+        shafts = {spec.joint or spec.name: Shaft() for spec in chain.servos}
+        self.servos = {
+            spec.servo_id: VirtualServo.of(spec, chain.baud, shafts[spec.joint or spec.name])
+            for spec in chain.servos
+        }
+        self.line = VirtualLine(self.servos.values())
+        model = chain.servos[0].servo_model
+        plants = [FreePlant(motor_of(model), shaft) for shaft in shafts.values()]
+        self.rig = Rig(list(self.servos.values()), plants)
+        self.shafts = shafts
+        self.sent: list[Packet] = []
+        self.gone = False
+        self.watch = lambda: None
+
+    @property
+    def now(self) -> float:
+        return self.rig.now
+
+    def monotonic(self) -> float:
+        return self.rig.now
+
+    def sleep(self, duration: float) -> None:
+        self.rig.wake()
+        self.rig.advance_to(self.rig.now + duration + 1e-9)
+        self.watch()
+
+    def ask(self, frame: bytes) -> bytes:
+        if self.gone:
+            raise PortError(self.port, "the connection is lost", "check the cable")
+        answer = b""
+        for packet in Decoder().feed(frame):
+            self.sent.append(packet)
+            self.rig.wake()
+            answer += b"".join(reply.data for reply in self.line.answer(packet, self.baud))
+            self.sleep(1e-3)
+        return answer
+
+    def status(self, servo_id: int, instruction: Instruction, params: bytes = b"") -> Packet:
+        for packet in Decoder().feed(self.ask(encode(servo_id, instruction, params))):
+            if packet.servo_id == servo_id and packet.is_status:
+                if packet.error_number:
+                    raise ServoError(servo_id, "refused", code=packet.error_number)
+                return packet
+        raise BusTimeoutError(servo_id, port=self.port)
+
+    def ping(self, servo_id: int, tries: int = 1) -> PingReply:
+        params = self.status(servo_id, Instruction.PING).params
+        return PingReply(servo_id, params[0] | params[1] << 8, params[2])
+
+    def scan(self) -> tuple[PingReply, ...]:
+        return tuple(self.ping(servo_id) for servo_id in sorted(self.servos))
+
+    def read(self, servo_id: int, register) -> int:
+        params = read_params(register.address, register.size)
+        return register.decode(self.status(servo_id, Instruction.READ, params).params)
+
+    def write(self, servo_id: int, register, value: int) -> None:
+        params = write_params(register.address, register.encode(value))
+        self.status(servo_id, Instruction.WRITE, params)
+
+    def sync_read(self, group):
+        replies, _ = group.parse(self.ask(group.request))
+        group.learn(replies)
+        return replies
+
+    fetch = sync_read
+
+    def sync_write(self, group, values) -> None:
+        self.ask(group.frame(values))
+
+    def reboot(self, servo_id: int) -> None:
+        self.status(servo_id, Instruction.REBOOT)
+
+    def reopen(self, port: str | None = None) -> None:
+        self.gone = False
+
+    def close(self) -> None:
+        pass
+
+
+@pytest.fixture
+def make_direct():
+    """Make buses of virtual servos without port and wire."""
+    return DirectBus
+
+
+@pytest.fixture
+def in_their_time(monkeypatch):
+    """Let what the driver waits for pass in the time of a direct bus."""
+
+    def live_in(bus: DirectBus) -> None:
+        for module in ("recover", "watchdog", "health", "servo_arm", "exchange"):
+            monkeypatch.setattr(f"splinearm.drivers.{module}.time", bus)
+
+    return live_in
+
+
+class SteppedArm:
+    """Virtual servos in MuJoCo on a clock that only the test moves; what they are sent takes no
+    time but ``wait``."""
+
+    def __init__(self, arm, chain, q_start, make_feedforward, period=0.01, wait=0.002):
+        self.period, self.wait, self.t = period, wait, 0.0
+        self.arm, self.chain = arm, chain
+        self.virtual = VirtualBus(arm, chain, q_start, wire_time=False, clock=lambda: self.t)
+        self.virtual.__enter__()
+        self.bus = DynamixelBus(self.virtual.port, chain.baud, margin=1.0)
+        self.feedforward = make_feedforward(self.bus)
+        self.driver = ServoArm(
+            chain,
+            arm.joint_names,
+            arm.limits,
+            self.bus,
+            watchdog=None,
+            feedforward=self.feedforward,
+        )
+
+    def close(self) -> None:
+        self.bus.close()
+        self.virtual.__exit__(None, None, None)
+
+    def pass_time(self, duration: float) -> None:
+        """Let time go by; a write that nobody answers is taken before."""
+        self.bus.ping(self.chain.servos[0].servo_id)
+        self.t += duration
+        self.virtual.advance()
+
+    def cycle(self, setpoint: JointSetpoint) -> np.ndarray:
+        """Read, write, and give where the joints were at the time of the setpoint."""
+        self.driver.read()
+        q = self.virtual.q
+        self.pass_time(self.wait)
+        self.driver.write(setpoint)
+        self.pass_time(self.period - self.wait)
+        return q
+
+    def rest(self, q, duration: float) -> np.ndarray:
+        """Lead the arm to rest at q from where it is held."""
+        start, still = self.driver.goal, np.zeros(len(q))
+        count = round(duration / self.period)
+        for k in range(count):
+            s = min(1.0, 2.0 * k / count)
+            way = start + (q - start) * s * s * (3.0 - 2.0 * s)
+            self.cycle(JointSetpoint(t=0.0, q=way, qd=still, qdd=still))
+        return self.virtual.q
+
+    def push(self, torques) -> None:
+        """Push the joints from outside from here on."""
+        with self.virtual.lock:
+            self.virtual.plant._data.qfrc_applied[:] = torques
+
+
+@pytest.fixture
+def stepped_arm():
+    """Make virtual arms on a clock of their own; they are closed at the end."""
+    made: list[SteppedArm] = []
+
+    def make(arm, chain, q_start, make_feedforward=lambda _: None, **options) -> SteppedArm:
+        made.append(SteppedArm(arm, chain, q_start, make_feedforward, **options))
+        return made[-1]
+
+    yield make
+    for one in made:
+        one.close()
+
+
+def pendulum(n: int, mass: float, length: float = 0.2, speed: float = 2.0) -> Arm:
+    """Give n rods, one on the other, that swing in a vertical plane."""
+    names = tuple(f"j{k}" for k in range(n))
+    limits = JointLimits(
+        names=names,
+        kinds=(JointKind.REVOLUTE,) * n,
+        q_min=np.full(n, -2.9),
+        q_max=np.full(n, 2.9),
+        qd_max=np.full(n, speed),
+        qdd_max=np.full(n, 20.0),
+    )
+    across = mass * length**2 / 12.0
+    rod = Inertia(mass, np.array([-length / 2, 0, 0]), np.diag([0.1 * across, across, across]))
+    upright = np.eye(4)
+    upright[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
+    rows = [DHLink(name, length, 0.0, 0.0, 0.0) for name in names]
+    standard = DHConvention.STANDARD
+    return Arm.from_dh("pendulum", rows, standard, limits, inertias=[rod] * n, T_world_base=upright)
+
+
+@pytest.fixture(name="pendulum")
+def _pendulum():
+    return pendulum

@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 
 from splinearm.drivers import packets
 from splinearm.drivers.bus import Loss, Reply
-from splinearm.drivers.cyclic import GroupRead, GroupWrite
+from splinearm.drivers.cyclic import GroupRead
 from splinearm.drivers.groups import BulkRead, FastBlock
 from splinearm.drivers.packets import Instruction
 from splinearm.drivers.registers import load_table
@@ -82,7 +82,7 @@ def test_a_damaged_answer_is_told_from_none():
     pieces = fast(values)
     pieces[1] = pieces[1][:-1] + b"\x00"
     replies, more = group(fast=True).parse(b"".join(pieces))
-    assert [replies[i].loss for i in IDS] == [None, Loss.DAMAGED, Loss.HIDDEN]
+    assert [replies[i].loss for i in IDS] == [None, Loss.DAMAGED, None]
     assert not more
 
 
@@ -163,33 +163,51 @@ def test_different_places_make_a_bulk_read(quick):
     assert one.parse(wire) == (expected(values), False)
 
 
-@pytest.mark.property
-@given(goals=st.lists(st.integers(-(2**31), 2**31 - 1), min_size=3, max_size=3))
-def test_a_sync_write_says_every_value_and_is_stuffed(goals):
-    frame = GroupWrite([(i, GOAL) for i in IDS]).frame(goals)
-    packet = packets.decode(frame)
-    assert packet.instruction == Instruction.SYNC_WRITE
-    entries = tuple((i, GOAL.encode(goal)) for i, goal in zip(IDS, goals, strict=True))
-    assert packets.parse_sync_write(packet.params) == (116, 4, entries)
-
-
-def test_different_places_make_a_bulk_write():
-    frame = GroupWrite([(3, GOAL), (7, FAR_GOAL)]).frame([-5, 6])
-    entries = packets.parse_bulk_write(packets.decode(frame).params)
-    assert entries == ((3, 116, GOAL.encode(-5)), (7, 564, FAR_GOAL.encode(6)))
-
-
-def test_values_that_do_not_fit_are_refused():
-    writer = GroupWrite([(i, GOAL) for i in IDS])
-    with pytest.raises(ValueError, match="want 3"):
-        writer.frame([1, 2])
-    with pytest.raises(ValueError, match="values"):
-        writer.frame([1, 2, 2**31])
-
-
 def test_groups_without_servos_or_with_twins_are_refused():
     for ids in ((), (1, 1)):
         with pytest.raises(ValueError, match="requests"):
             GroupRead([BulkRead(i, 0, 1) for i in ids], fast=False)
-        with pytest.raises(ValueError, match="targets"):
-            GroupWrite([(i, GOAL) for i in ids])
+
+
+@pytest.mark.property
+@given(values=answers, data=st.data())
+def test_of_a_damaged_answer_nothing_false_counts(values, data):
+    for one, frames in ((group(fast=False), plain(values)), (group(fast=True), fast(values))):
+        wire = bytearray(b"".join(frames))
+        wire[data.draw(st.integers(0, len(wire) - 1))] ^= data.draw(st.integers(1, 255))
+        replies, _ = one.parse(bytes(wire))
+        lost = [i for i, reply in replies.items() if reply.loss is not None]
+        assert len(lost) == 1 or one.fast
+        good = {i: reply for i, reply in replies.items() if reply.loss is None}
+        assert good.items() <= expected(values).items()
+
+
+@pytest.mark.property
+@given(values=answers)
+def test_only_a_flawless_answer_counts_as_such_and_says_the_same(values):
+    for one, frames in ((group(fast=False), plain(values)), (group(fast=True), fast(values))):
+        wire = b"".join(frames)
+        stuffed = len(wire) != one.reply_length
+        assert one.is_flawless(wire) is not stuffed
+        assert not one.is_flawless(wire[:-1] + bytes((wire[-1] ^ 1,)))
+        if not stuffed:
+            assert one.replies(wire) == expected(values)
+
+
+def test_a_group_that_forgets_asks_as_at_first():
+    one = group(fast=True)
+    one.learn({i: Reply(b"", 0, Loss.SILENT) for i in IDS})
+    assert (one.fast, one.settled) == (False, False)
+    one.forget()
+    assert (one.fast, one.settled) == (True, True)
+
+
+def test_for_servos_that_were_lost_nobody_waits():
+    for quick, rest in ((False, 2 * 21), (True, 8 + 2 * 14)):
+        one = group(fast=quick)
+        assert one.sure_length == one.reply_length
+        good = expected([(bytes(10), 0)] * 3)
+        one.learn(good | {7: Reply(b"", 0, Loss.SILENT)})
+        assert one.sure_length == rest
+        one.learn(good)
+        assert one.sure_length == one.reply_length

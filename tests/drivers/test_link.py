@@ -1,10 +1,11 @@
 import os
+import socket
 import threading
 import time
 
 import pytest
 
-from splinearm.drivers.link import RETURN_DELAY, SerialLink
+from splinearm.drivers.link import RETURN_DELAY, SerialLink, SocketLink, is_socket
 from splinearm.errors import PortError
 
 pytestmark = pytest.mark.bus
@@ -105,3 +106,48 @@ def test_a_closed_link_is_told(ends):
         one.send(b"x")
     with pytest.raises(PortError, match="connection is lost"):
         one.receive_some(one.deadline())
+
+
+@pytest.fixture
+def listener(tmp_path):
+    """A socket that somebody listens on."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as one:
+        one.bind(str(tmp_path / "bus"))
+        one.listen()
+        yield one
+
+
+def test_a_socket_is_a_port_too(listener):
+    path = listener.getsockname()
+    one = SocketLink(f"unix:{path}", 1_000_000, 0.2)
+    other, _ = listener.accept()
+    other.sendall(b"late")
+    time.sleep(0.01)
+    deadline = one.send(b"ask")
+    assert other.recv(16) == b"ask"
+    other.sendall(b"answer")
+    assert one.receive(6, deadline) == b"answer"
+    assert one.receive_some(time.monotonic() + 0.01) == b""
+    other.close()
+    with pytest.raises(PortError, match="connection is lost"):
+        one.receive_some(one.deadline())
+    one.close()
+    one.close()
+    with pytest.raises(PortError, match="connection is lost"):
+        one.send(b"ask")
+
+
+def test_a_socket_that_nobody_serves_is_told(tmp_path):
+    with pytest.raises(PortError, match="nobody serves it"):
+        SocketLink(f"unix:{tmp_path}/none", 1_000_000, 0.2)
+
+
+def test_sockets_are_known_by_name_or_by_what_they_are(listener, tmp_path):
+    path = listener.getsockname()
+    link_to = tmp_path / "arm"
+    link_to.symlink_to(path)
+    assert is_socket(f"unix:{path}")
+    assert is_socket(path)
+    assert is_socket(str(link_to))
+    assert not is_socket("/dev/null")
+    assert not is_socket(str(tmp_path / "none"))

@@ -70,3 +70,22 @@ def test_encode_refuses_what_does_not_fit():
         packets_v1.encode(255, Instruction.PING)
     with pytest.raises(ValueError, match="250"):
         packets_v1.encode_status(1, 0, bytes(249))
+
+
+@pytest.mark.parametrize(
+    ("error", "number", "latched"),
+    [
+        (0x00, 0, 0x00),
+        (0x02, 6, 0x00),
+        (0x08, 4, 0x00),
+        (0x10, 3, 0x00),
+        (0x40, 2, 0x00),
+        (0x20, 0, 0x20),
+        (0x2D, 4, 0x25),
+    ],
+)
+def test_errors_are_said_in_the_way_of_protocol_2(error, number, latched):
+    modern = packets_v1.modern_error(error)
+    assert modern & 0x7F == number
+    assert bool(modern & 0x80) is bool(latched)
+    assert modern >> 8 == latched

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from splinearm.drivers.port import PortLock, latency_file, open_error, usb_latency
+from splinearm.drivers.port import PortLock, by_id_link, latency_file, open_error, usb_latency
 from splinearm.errors import PortError
 
 
@@ -68,3 +68,15 @@ def test_a_link_to_a_port_is_followed(tmp_path):
     link = tmp_path / "ttyDXL"
     link.symlink_to("/dev/ttyUSB7")
     assert latency_file(str(link)) == latency_file("/dev/ttyUSB7")
+
+
+def test_an_adapter_is_known_by_the_link_that_udev_keeps_for_it(tmp_path):
+    device, other = tmp_path / "ttyUSB0", tmp_path / "ttyUSB1"
+    folder = tmp_path / "by-id"
+    folder.mkdir()
+    for path in (device, other):
+        path.touch()
+    (folder / "usb-FTDI_A1-if00").symlink_to(device)
+    assert by_id_link(str(device), folder) == folder / "usb-FTDI_A1-if00"
+    assert by_id_link(str(other), folder) is None
+    assert by_id_link(str(device), tmp_path / "none") is None

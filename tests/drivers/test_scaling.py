@@ -88,13 +88,13 @@ def test_the_range_of_goals_is_that_of_the_mode():
     [
         leader(settings={"Operating Mode": 1}),
         leader(model="XL430-W250", settings={"Operating Mode": 5}),
-        leader(model="XL320", settings={}),
-        leader(model="AX-12A", settings={}),
+        leader(model="XL320", settings={"Control Mode": 1}),
+        leader(model="AX-12A", settings={"CCW Angle Limit": 0}),
     ],
     ids=["velocity mode", "no current mode", "xl320", "ax12"],
 )
 def test_a_servo_without_such_a_mode_is_refused(servo):
-    with pytest.raises(ValueError, match="position mode"):
+    with pytest.raises(ValueError, match=r"position mode|joint mode"):
         operating_mode(servo)
 
 
@@ -110,3 +110,30 @@ def test_a_scale_that_cannot_be_is_refused():
         replace(SCALE, ticks_min=SCALE.ticks_max)
     with pytest.raises(ValueError, match="current_unit"):
         replace(SCALE, current_unit=np.zeros(2))
+
+
+@pytest.mark.parametrize("model", ["XL320", "AX-12A"])
+def test_old_models_count_1024_steps_over_300_degrees_within_their_angle_limits(model):
+    servo = leader(model=model, zero_ticks=512, settings={"CCW Angle Limit": 900})
+    scale = JointScale.of([servo])
+    assert position_range(servo) == (0, 900)
+    assert scale.to_ticks(np.array([np.radians(30.0)])) == pytest.approx([614], abs=1)
+    assert scale.to_qd([100])[0] == pytest.approx(11.1 * 2 * np.pi / 60)
+    assert np.isnan(scale.to_current([100])[0])
+
+
+def test_velocities_and_currents_go_the_way_back():
+    servos = [leader(), leader(name="elbow", joint="elbow", servo_id=2, model="XL430-W250")]
+    scale = JointScale.of(servos)
+    raw = scale.from_qd(scale.to_qd([-7, 300]))
+    assert raw.tolist() == [-7, 300]
+    assert scale.from_current(np.array([0.269, 5.0])).tolist() == [100, 0]
+    with pytest.raises(ValueError, match="finite"):
+        scale.from_current(np.array([np.nan, 0.0]))
+    with pytest.raises(ValueError, match="finite"):
+        scale.from_qd(np.array([np.inf, 0.0]))
+
+
+def test_the_scale_of_the_first_servos_is_theirs():
+    servos = [leader(), leader(name="elbow", joint="elbow", servo_id=2, zero_ticks=7)]
+    assert JointScale.of(servos).first(1).zero_ticks.tolist() == [2048]

@@ -1,15 +1,14 @@
 """The bus: what every way to a line of servos must be able to do, and what comes back."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from enum import Enum
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from splinearm.errors import BusError, BusTimeoutError, PacketError, ServoError
 
-from .packets import ALERT_BIT, ERROR_TEXTS
+from .packets import ALERT_BIT, ERROR_TEXTS, Instruction
 
 if TYPE_CHECKING:
-    from .cyclic import GroupRead, GroupWrite
     from .registers import Register
 
 
@@ -27,6 +26,9 @@ class Loss(Enum):
 
     REFUSED = "a refusal"
     """It answered with an error and without data."""
+
+    ADRIFT = "data from elsewhere"
+    """It has begun anew: where the registers were gathered are others now."""
 
 
 class Reply(NamedTuple):
@@ -49,6 +51,80 @@ class PingReply(NamedTuple):
     """Its model, as a number; see ``servo_model_by_number``."""
     firmware: int
     """Version of its firmware."""
+    protocol: int = 2
+    """The protocol in which it answered, 1 or 2."""
+
+
+class ReadGroup(Protocol):
+    """A read of many servos, prebuilt."""
+
+    @property
+    def instruction(self) -> Instruction:
+        """What is asked or sent."""
+        ...
+
+    @property
+    def ids(self) -> tuple[int, ...]:
+        """Ids in the order in which they are asked."""
+        ...
+
+    @property
+    def request(self) -> bytes:
+        """The bytes to send."""
+        ...
+
+    @property
+    def reply_length(self) -> int:
+        """How many bytes come back if nothing is lost or stuffed."""
+        ...
+
+    @property
+    def sure_length(self) -> int:
+        """How many of them come if those are lost again that were lost last time."""
+        ...
+
+    @property
+    def settled(self) -> bool:
+        """Whether the next read is the one that a flawless answer would lead to again."""
+        ...
+
+    def is_flawless(self, data: bytes) -> bool:
+        """Say whether an answer is whole, in order and undamaged."""
+        ...
+
+    def replies(self, data: bytes) -> dict[int, Reply]:
+        """Take a flawless answer apart."""
+        ...
+
+    def parse(self, data: bytes) -> tuple[dict[int, Reply], bool]:
+        """Understand what came back, as far as it came, and whether more may still come."""
+        ...
+
+    def learn(self, replies: dict[int, Reply]) -> None:
+        """Take from an outcome how to ask next time."""
+        ...
+
+    def forget(self) -> None:
+        """Begin anew, as if nothing had ever come back."""
+        ...
+
+
+class WriteGroup(Protocol):
+    """A write to many servos, prebuilt."""
+
+    @property
+    def instruction(self) -> Instruction:
+        """What is asked or sent."""
+        ...
+
+    @property
+    def ids(self) -> tuple[int, ...]:
+        """Ids in the order of the values."""
+        ...
+
+    def frame(self, values: Sequence[int]) -> bytes:
+        """Give the bytes that write these values, servo by servo."""
+        ...
 
 
 class ServoBus(Protocol):
@@ -57,6 +133,16 @@ class ServoBus(Protocol):
     @property
     def port(self) -> str:
         """Name of the port, for errors."""
+        ...
+
+    @property
+    def margin(self) -> float:
+        """How long an answer may come later than the wire needs before it counts as lost, s."""
+        ...
+
+    @property
+    def retries(self) -> Mapping[int, int]:
+        """By id how many single instructions had to be sent again; ids without any may lack."""
         ...
 
     def ping(self, servo_id: int) -> PingReply:
@@ -90,16 +176,31 @@ class ServoBus(Protocol):
         """
         ...
 
-    def sync_read(self, group: "GroupRead") -> dict[int, Reply]:
+    def sync_read(self, group: "ReadGroup") -> dict[int, Reply]:
         """Read from many servos at once; a lost answer is a ``Reply`` with its loss, no error."""
         ...
 
-    def sync_write(self, group: "GroupWrite", values: Sequence[int]) -> None:
+    def fetch(self, group: "ReadGroup") -> bytes | dict[int, Reply]:
+        """Read from many servos at once: as ``sync_read``, but a flawless answer as it came."""
+        ...
+
+    def sync_write(self, group: "WriteGroup", values: Sequence[int]) -> None:
         """Write to many servos at once; nobody answers."""
         ...
 
     def reboot(self, servo_id: int) -> None:
         """Let a servo start anew; its torque goes off, latched errors and turn counts are gone."""
+        ...
+
+    def reopen(self, port: str | None = None) -> None:
+        """Let go of the port, if it is still there, and take it again.
+
+        Args:
+            port: Its name, if that is another now.
+
+        Raises:
+            PortError: If it is not there, or not yet.
+        """
         ...
 
     def close(self) -> None:
@@ -125,4 +226,7 @@ def loss_error(reply: Reply, servo_id: int, register: str, *, port: str, name: s
         alert = bool(reply.error & ALERT_BIT)
         reason = f"{register} refused: {text}"
         return ServoError(servo_id, reason, code=number, alert=alert, name=name)
+    if reply.loss is Loss.ADRIFT:
+        reason = "it has started anew (power or reset); its torque is off: recover it"
+        return ServoError(servo_id, reason, name=name)
     return PacketError(f"{register} of servo {servo_id} ({name})", "a damaged packet")

@@ -1,15 +1,15 @@
-"""Reads and writes of many servos, prebuilt: what a control loop sends in every cycle.
+"""Reads of many servos, prebuilt: what a control loop asks in every cycle.
 
 No input or output here: a ``GroupRead`` gives the bytes to send and understands those that come
-back, a ``GroupWrite`` turns values into the bytes to send.
+back.
 """
 
 import logging
-import struct
 from collections.abc import Sequence
+from itertools import accumulate
 
 from .bus import Loss, Reply
-from .groups import BulkRead
+from .groups import BulkRead, asked_next
 from .packets import (
     BROADCAST_ID,
     HEADER,
@@ -22,7 +22,7 @@ from .packets import (
     parse_fast_reply,
     sync_read_params,
 )
-from .registers import Register
+from .sending import GroupWrite as GroupWrite
 
 _log = logging.getLogger(__name__)
 
@@ -31,8 +31,6 @@ _FAST_HEAD = 8  # header, id, LEN, instruction
 _FAST_OVERHEAD = 4  # error, id, CRC
 _FAST_PREFIX = HEADER + bytes((BROADCAST_ID,))
 _FAST_TRIES = 3
-_FORMATS = {(1, False): "B", (1, True): "b", (2, False): "H", (2, True): "h"}
-_FORMATS |= {(4, False): "I", (4, True): "i"}
 
 
 class GroupRead:
@@ -57,12 +55,14 @@ class GroupRead:
         self._fast_failures = 0
         self._use_fast = fast
         self._doubted: set[int] = set()
+        self.settled = True
+        """Whether the next read is the one that a flawless answer would lead to again."""
         self._build()
 
     @property
-    def ids(self) -> tuple[int, ...]:
-        """Ids in the order in which they are asked next."""
-        return tuple(request.servo_id for request in self._requests)
+    def requests(self) -> tuple[BulkRead, ...]:
+        """What is asked of each servo, in the order in which they are asked next."""
+        return tuple(self._requests)
 
     @property
     def fast(self) -> bool:
@@ -72,19 +72,22 @@ class GroupRead:
     def _build(self) -> None:
         """Prepare all that does not change from read to read."""
         requests = self._requests
+        self.ids = tuple(request.servo_id for request in requests)
+        """Ids in the order in which they are asked next."""
         same = len({(request.address, request.length) for request in requests}) == 1
         if same:
             first = requests[0]
             params = sync_read_params(first.address, first.length, self.ids)
         else:
             params = bulk_read_params(requests)
-        instruction = {
+        self.instruction = {
             (True, True): Instruction.FAST_SYNC_READ,
             (True, False): Instruction.FAST_BULK_READ,
             (False, True): Instruction.SYNC_READ,
             (False, False): Instruction.BULK_READ,
         }[self._use_fast, same]
-        self.request = encode(BROADCAST_ID, instruction, params)
+        """What is asked."""
+        self.request = encode(BROADCAST_ID, self.instruction, params)
         """The bytes to send."""
         lengths = [request.length for request in requests]
         if self._use_fast:
@@ -92,10 +95,33 @@ class GroupRead:
         else:
             self.reply_length = sum(_STATUS_OVERHEAD + n for n in lengths)
         """How many bytes come back if nothing is lost or stuffed."""
-        self._prefixes = [
-            HEADER + bytes((r.servo_id, (r.length + 4) & 0xFF, (r.length + 4) >> 8, 0x55))
-            for r in requests
+        self._set_sure_length()
+        self._gap = _FAST_OVERHEAD if self._use_fast else _STATUS_OVERHEAD
+        self.same = same
+        """Whether all are asked for the same bytes."""
+        self.stride = self._gap + lengths[0]
+        """From the data of one servo to that of the next if all are asked for the same, bytes."""
+        self.first_error, self.first_data = (8, 10) if self._use_fast else (8, 9)
+        """Where in a flawless answer the error byte and the data of the first servo are."""
+        self.first_block = _FAST_HEAD if self._use_fast else 0
+        """Where in a flawless answer the stride of the first servo begins."""
+        self._id_bytes = bytes(self.ids)
+        starts = accumulate((self._gap + n for n in lengths[:-1]), initial=_FAST_HEAD + 1)
+        self._id_places = tuple(starts)
+        self._frames = [
+            (HEADER + bytes((i, (n + 4) & 0xFF, (n + 4) >> 8, 0x55)), _STATUS_OVERHEAD + n)
+            for i, n in zip(self.ids, lengths, strict=True)
         ]
+
+    def _set_sure_length(self) -> None:
+        """Count the bytes that come if those are lost again that were lost last time."""
+        sure = [r.length for r in self._requests if r.servo_id not in self._doubted]
+        self.sure_length = self.reply_length
+        """How many of them come if those are lost again that were lost last time."""
+        if sure and self._use_fast:
+            self.sure_length = _FAST_HEAD + sum(_FAST_OVERHEAD + n for n in sure)
+        elif sure:
+            self.sure_length = sum(_STATUS_OVERHEAD + n for n in sure)
 
     def parse(self, data: bytes) -> tuple[dict[int, Reply], bool]:
         """Understand what came back, as far as it came.
@@ -104,11 +130,42 @@ class GroupRead:
             A reply for every id, in the order in which they were asked, and whether more bytes may
             still come.
         """
-        if len(data) == self.reply_length:
-            replies = self._parse_exact_fast(data) if self._use_fast else self._parse_exact(data)
-            if replies is not None:
-                return replies, False
+        if self.is_flawless(data):
+            return self.replies(data), False
         return self._parse_any_fast(data) if self._use_fast else self._parse_any(data)
+
+    def is_flawless(self, data: bytes) -> bool:
+        """Say whether an answer is whole, in order and undamaged."""
+        if len(data) != self.reply_length:
+            return False
+        if self._use_fast:  # its last CRC vouches for the whole
+            good = data.startswith(_FAST_PREFIX) and crc16(data[:-2]) == data[-2] | data[-1] << 8
+            return good and self._ids_in(data) == self._id_bytes
+        start = 0
+        for prefix, size in self._frames:
+            end = start + size
+            if not data.startswith(prefix, start):
+                return False
+            if crc16(data[start : end - 2]) != data[end - 2] | data[end - 1] << 8:
+                return False
+            start = end
+        return True
+
+    def replies(self, data: bytes) -> dict[int, Reply]:
+        """Take a flawless answer apart."""
+        replies: dict[int, Reply] = {}
+        error, start = self.first_error, self.first_data
+        for request in self._requests:
+            end = start + request.length
+            replies[request.servo_id] = Reply(data[start:end], data[error])
+            error, start = error + self._gap + request.length, end + self._gap
+        return replies
+
+    def _ids_in(self, data: bytes) -> bytes:
+        """Give the ids in a fast answer of full length."""
+        if self.same:
+            return data[_FAST_HEAD + 1 : -2 : self.stride]
+        return bytes(data[at] for at in self._id_places)
 
     def learn(self, replies: dict[int, Reply]) -> None:
         """Take from an outcome how to ask next time."""
@@ -120,9 +177,23 @@ class GroupRead:
             self._choose_speed(nobody=len(lost) == len(self._requests), unclear=unclear)
         if not unclear:
             self._doubted = lost
-            self._requests.sort(key=lambda request: request.servo_id in lost)
-        if before != (self.ids, self._use_fast):
+            self._requests = asked_next(self._requests, lost)
+        ids = tuple(request.servo_id for request in self._requests)
+        if before != (ids, self._use_fast):
             self._build()
+        self._set_sure_length()
+        given_up = self._fast_failures >= _FAST_TRIES
+        self.settled = not lost and (
+            not self._fast_known or given_up or (self._use_fast and not self._fast_failures)
+        )
+
+    def forget(self) -> None:
+        """Begin anew, as if nothing had ever come back."""
+        self._fast_failures = 0
+        self._use_fast = self._fast_known
+        self._doubted = set()
+        self.settled = True
+        self._build()
 
     def _choose_speed(self, *, nobody: bool, unclear: bool) -> None:
         """Ask plainly after a fast read that leaves open who is lost, then fast again."""
@@ -133,35 +204,6 @@ class GroupRead:
         self._fast_failures = self._fast_failures + 1 if nobody else 0
         if self._fast_failures == _FAST_TRIES:
             _log.warning("nobody answers fast reads: plain ones from here on")
-
-    def _parse_exact(self, data: bytes) -> dict[int, Reply] | None:
-        """Read answers that came one after the other without a flaw; None if they did not."""
-        replies: dict[int, Reply] = {}
-        start = 0
-        for request, prefix in zip(self._requests, self._prefixes, strict=True):
-            end = start + _STATUS_OVERHEAD + request.length
-            check = end - 2
-            if not data.startswith(prefix, start):
-                return None
-            if crc16(data[start:check]) != data[check] | data[check + 1] << 8:
-                return None
-            replies[request.servo_id] = Reply(data[start + 9 : check], data[start + 8])
-            start = end
-        return replies
-
-    def _parse_exact_fast(self, data: bytes) -> dict[int, Reply] | None:
-        """Read a fast answer without a flaw; its last CRC vouches for the whole."""
-        if not data.startswith(_FAST_PREFIX) or crc16(data[:-2]) != data[-2] | data[-1] << 8:
-            return None
-        replies: dict[int, Reply] = {}
-        start = _FAST_HEAD
-        for request in self._requests:
-            if data[start + 1] != request.servo_id:
-                return None
-            end = start + _FAST_OVERHEAD + request.length
-            replies[request.servo_id] = Reply(data[start + 2 : end - 2], data[start])
-            start = end
-        return replies
 
     def _parse_any(self, data: bytes) -> tuple[dict[int, Reply], bool]:
         """Find answers between whatever else came."""
@@ -185,15 +227,15 @@ class GroupRead:
         blocks = {block.servo_id: block for block in parse_fast_reply(frame, wanted)}
         came = len(frame) if start >= 0 else len(data)
         replies: dict[int, Reply] = {}
-        end, hidden = _FAST_HEAD, False
+        end, silent = _FAST_HEAD, False
         for servo_id, count in wanted:
             end += _FAST_OVERHEAD + count
             if servo_id in blocks:
                 replies[servo_id] = Reply(blocks[servo_id].data, blocks[servo_id].error)
                 continue
-            loss = Loss.DAMAGED if came >= end else Loss.SILENT
-            replies[servo_id] = Reply(b"", 0, Loss.HIDDEN if hidden else loss)
-            hidden = True
+            loss = Loss.DAMAGED if came >= end else Loss.HIDDEN if silent else Loss.SILENT
+            replies[servo_id] = Reply(b"", 0, loss)
+            silent = silent or loss is Loss.SILENT
         return replies, len(data) < max(start, 0) + self.reply_length
 
 
@@ -205,52 +247,3 @@ def _reply(packet: Packet | None, request: BulkRead, data: bytes) -> Reply:
     if len(packet.params) == request.length:
         return Reply(packet.params, packet.error)
     return Reply(b"", packet.error, Loss.REFUSED if packet.error_number else Loss.DAMAGED)
-
-
-class GroupWrite:
-    """One write of a value to a register of each of many servos.
-
-    Args:
-        targets: Id and register of each servo; ids differ. The same place in every servo makes a
-            sync write, different places a bulk write.
-    """
-
-    def __init__(self, targets: Sequence[tuple[int, Register]]) -> None:
-        self.ids = tuple(servo_id for servo_id, _ in targets)
-        """Ids in the order of the values."""
-        if not self.ids or len(set(self.ids)) != len(self.ids):
-            raise ValueError(f"targets: want one for each of some servos, got {self.ids}")
-        places = {(register.address, register.size, register.signed) for _, register in targets}
-        codes = [_FORMATS[register.size, register.signed] for _, register in targets]
-        self._params: list[int] = []
-        if len(places) == 1:
-            register = targets[0][1]
-            self._fixed = struct.pack("<HH", register.address, register.size)
-            self._instruction = Instruction.SYNC_WRITE
-            self._pack = struct.Struct("<" + "".join(f"B{code}" for code in codes))
-            self._step = 2
-            for servo_id, _ in targets:
-                self._params += [servo_id, 0]
-        else:
-            self._fixed = b""
-            self._instruction = Instruction.BULK_WRITE
-            self._pack = struct.Struct("<" + "".join(f"BHH{code}" for code in codes))
-            self._step = 4
-            for servo_id, register in targets:
-                self._params += [servo_id, register.address, register.size, 0]
-
-    def frame(self, values: Sequence[int]) -> bytes:
-        """Give the bytes that write these values, in the order of ``ids``.
-
-        Raises:
-            ValueError: If there are not as many values as servos, or a register cannot hold one.
-        """
-        params = self._params
-        if len(values) != len(self.ids):
-            raise ValueError(f"values: want {len(self.ids)} of them, got {len(values)}")
-        params[self._step - 1 :: self._step] = values
-        try:
-            blocks = self._pack.pack(*params)
-        except struct.error as error:
-            raise ValueError(f"values: {error}, got {list(values)}") from error
-        return encode(BROADCAST_ID, self._instruction, self._fixed + blocks)

@@ -5,7 +5,7 @@ raise ``ValueError`` on parameters that cannot be what they should be.
 """
 
 import struct
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from .crc import crc16
@@ -46,6 +46,17 @@ class FastBlock(NamedTuple):
     """Its error byte."""
     data: bytes
     """What it read."""
+
+
+def asked_next(requests: Sequence[BulkRead], lost: Collection[int]) -> list[BulkRead]:
+    """Give the order in which to ask next time: servos that were lost come last.
+
+    Where servos wait for the one before them, all after a dead one are lost with it. So the first
+    of several that were lost changes to the end: the next time its place is another's.
+    """
+    sure = [request for request in requests if request.servo_id not in lost]
+    doubted = [request for request in requests if request.servo_id in lost]
+    return sure + doubted[1:] + doubted[:1]
 
 
 def read_params(address: int, length: int) -> bytes:
@@ -167,26 +178,33 @@ def fast_reply_pieces(blocks: Sequence[FastBlock]) -> list[bytes]:
 
 
 def parse_fast_reply(frame: bytes, wanted: Sequence[tuple[int, int]]) -> tuple[FastBlock, ...]:
-    """Give what can be trusted of the answer to a fast read, whole or cut short.
+    """Give what can be trusted of the answer to a fast read, whole, damaged or cut short.
 
-    A block counts if its id is the next or a later one of those awaited and its CRC fits all bytes
-    before it; what follows the first block that does not count is lost, for nothing vouches for it.
+    The CRC of each servo goes on from that of the one before. So a damaged block does not take
+    those after it along: a block counts if its CRC fits what came before it, or what should have
+    come if either the data or the CRC of the block before it were damaged on the way here.
 
     Args:
         frame: The answer from its header on, as far as it came.
         wanted: Id and number of bytes of each servo, in the order in which they were asked.
     """
     blocks: list[FastBlock] = []
-    start, crc = 8, crc16(frame[:8])
     if len(frame) < 8 or not frame.startswith(_FAST_PREFIX) or frame[7] != 0x55:
         return ()
+    whole = len(frame) >= 8 + sum(4 + length for _, length in wanted)
+    start, states = 8, {crc16(frame[:8])}
     for servo_id, length in wanted:
         end = start + 4 + length
-        if end > len(frame) or frame[start + 1] != servo_id:
+        named = end <= len(frame) and frame[start + 1] == servo_id
+        if not (named or whole):
             continue
-        after = crc16(frame[start : end - 2], crc)
-        if after != frame[end - 2] | frame[end - 1] << 8:
-            continue
-        blocks.append(FastBlock(servo_id, frame[start], frame[start + 2 : end - 2]))
-        start, crc = end, crc16(frame[end - 2 : end], after)
+        tail = frame[end - 2 : end]
+        sent = tail[0] | tail[1] << 8
+        after = {crc16(frame[start : end - 2], state) for state in states}
+        if named and sent in after:
+            blocks.append(FastBlock(servo_id, frame[start], frame[start + 2 : end - 2]))
+            after = {sent}
+        states = {crc16(tail, crc) for crc in after}
+        states |= {crc16(crc.to_bytes(2, "little"), crc) for crc in (*after, sent)}
+        start = end
     return tuple(blocks)

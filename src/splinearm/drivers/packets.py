@@ -98,7 +98,7 @@ class Packet:
     @property
     def error_number(self) -> int:
         """Error number of a status packet without the alert bit; 0: none."""
-        return self.error & ~ALERT_BIT
+        return self.error & ~ALERT_BIT & 0xFF
 
     @property
     def alert(self) -> bool:

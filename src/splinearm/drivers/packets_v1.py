@@ -5,7 +5,7 @@ Nothing in the bytes tells a status from an instruction, so a decoder must know 
 Source: ROBOTIS e-Manual, "DYNAMIXEL Protocol 1.0".
 """
 
-from .packets import Instruction, Packet
+from .packets import ALERT_BIT, Instruction, Packet
 
 HEADER = b"\xff\xff"
 BROADCAST_ID = 0xFE
@@ -41,6 +41,22 @@ def _frame(servo_id: int, code: int, params: bytes) -> bytes:
         raise ValueError(f"params: want at most {MAX_LENGTH} bytes in a packet, got {length}")
     content = bytes((servo_id, length, code)) + params
     return HEADER + content + bytes((checksum(content),))
+
+
+_LATCHED = 0x01 | 0x04 | 0x20  # input voltage, overheating, overload
+_NUMBERS = {0x40: 2, 0x10: 3, 0x08: 4, 0x02: 6}
+_RAW_SHIFT = 8
+
+
+def modern_error(error: int) -> int:
+    """Give what the error byte says in the way of Protocol 2.0, with the byte itself above it.
+
+    Instruction, checksum, range and angle limit become the number of the like error; a fault of the
+    servo becomes the alert bit.
+    """
+    number = next((number for bit, number in _NUMBERS.items() if error & bit), 0)
+    alert = ALERT_BIT if error & _LATCHED else 0
+    return alert | number | (error & _LATCHED) << _RAW_SHIFT
 
 
 class Decoder:

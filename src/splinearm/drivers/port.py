@@ -80,6 +80,22 @@ def usb_latency(path: Path) -> float:
         return 0.0
 
 
+def by_id_link(port: str, folder: Path = Path("/dev/serial/by-id")) -> Path | None:
+    """Give the link that udev keeps for the adapter of a port, by maker, kind and serial number.
+
+    It leads to the adapter whatever its port is called when it is plugged in again.
+
+    Args:
+        port: Name of the port; links are followed.
+        folder: Where udev keeps those links.
+    """
+    if not folder.is_dir():
+        return None
+    device = os.path.realpath(port)
+    links = (link for link in sorted(folder.iterdir()) if os.path.realpath(link) == device)
+    return next(links, None)
+
+
 def _name_the_device() -> str:
     """Say what to do about a wrong or missing port."""
     present = sorted(

@@ -5,7 +5,7 @@ positive direction, so there is no sign here: the arm's file sets Drive Mode to 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self, TypeAlias
 
 import numpy as np
@@ -26,6 +26,8 @@ ONE_TURN_MODE = 3
 MULTI_TURN_MODES = (4, 5)
 """Operating modes "extended position" and "current-based position": 256 turns either way."""
 _TURNS = 256
+_OLD_LIMITS = ("CW Angle Limit", "CCW Angle Limit")
+_OLD_JOINT_MODE = 2
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -80,11 +82,17 @@ class JointScale:
             names=tuple(servo.joint or servo.name for servo in servos),
             zero_ticks=np.array([servo.zero_ticks for servo in servos], dtype=np.float64),
             pulses_per_rad=np.array([model.pulses_per_rad for model in models]),
-            velocity_unit=np.array([_unit(model, "Present Velocity") * RPM for model in models]),
+            velocity_unit=np.array([_velocity_unit(model) * RPM for model in models]),
             current_unit=np.array([_current_unit(model) for model in models]),
             ticks_min=np.array([low for low, _ in ranges], dtype=np.float64),
             ticks_max=np.array([high for _, high in ranges], dtype=np.float64),
         )
+
+    def first(self, n: int) -> Self:
+        """Give the scale of the first n servos."""
+        arrays = ("zero_ticks", "pulses_per_rad", "velocity_unit", "current_unit")
+        cut = {name: getattr(self, name)[:n] for name in (*arrays, "ticks_min", "ticks_max")}
+        return replace(self, names=self.names[:n], **cut)
 
     def to_ticks(self, q: FloatArray) -> IntArray:
         """Give the ticks nearest to joint positions, of those that the servo has.
@@ -137,6 +145,26 @@ class JointScale:
         current: FloatArray = np.asarray(raw) * self.current_unit
         return current
 
+    def from_qd(self, qd: FloatArray) -> IntArray:
+        """Give the register of a velocity, shape (..., n), of velocities in rad/s.
+
+        Raises:
+            ValueError: If one is not finite.
+        """
+        return _whole(np.asarray(qd) / self.velocity_unit, "velocity")
+
+    def from_current(self, current: FloatArray) -> IntArray:
+        """Give the register of a current, shape (..., n), of currents in A; 0 where there is none.
+
+        Args:
+            current: Current, shape (..., n), A; where a servo has none it is ignored.
+
+        Raises:
+            ValueError: If one is not finite.
+        """
+        raw = np.asarray(current) / self.current_unit
+        return _whole(np.where(np.isnan(self.current_unit), 0.0, raw), "current")
+
     def _refuse(self, q: FloatArray, ticks: FloatArray, outside: npt.NDArray[np.bool_]) -> None:
         """Raise for the first joint that is outside."""
         where = tuple(int(k) for k in np.argwhere(outside)[0])
@@ -150,6 +178,13 @@ class JointScale:
         )
 
 
+def _whole(raw: FloatArray, name: str) -> IntArray:
+    """Give the nearest whole numbers."""
+    if not np.isfinite(raw).all():
+        raise ValueError(f"{name}: want finite numbers, got {raw.tolist()} steps")
+    return np.rint(raw).astype(np.int64)
+
+
 def position_range(servo: ServoSpec) -> tuple[int, int]:
     """Give the lowest and highest Goal Position that a servo takes with its settings.
 
@@ -160,20 +195,24 @@ def position_range(servo: ServoSpec) -> tuple[int, int]:
     mode = operating_mode(servo)
     if mode in MULTI_TURN_MODES:
         return -_TURNS * model.pulses + 1, _TURNS * model.pulses - 1
-    limits = [
-        servo.settings.get(name, model.table[name].initial)
-        for name in ("Min Position Limit", "Max Position Limit")
-    ]
+    names = ("Min Position Limit", "Max Position Limit")
+    if names[0] not in model.table:
+        names = _OLD_LIMITS
+    limits = [servo.settings.get(name, model.table[name].initial) for name in names]
     return int(limits[0] or 0), int(limits[1] or 0)
 
 
 def operating_mode(servo: ServoSpec) -> int:
     """Give the Operating Mode in which a servo shall work: its setting, or 3.
 
+    Old models have no such register; within angle limits they are in what others call mode 3.
+
     Raises:
         ValueError: If it is no position mode, or the model does not have it.
     """
     model = servo.servo_model
+    if "Operating Mode" not in model.table and _OLD_LIMITS[0] in model.table:
+        return _mode_within_limits(servo)
     mode = servo.settings.get("Operating Mode", ONE_TURN_MODE)
     usable = [known for known in (ONE_TURN_MODE, *MULTI_TURN_MODES) if known in model.modes]
     if mode not in usable or "Operating Mode" not in model.table:
@@ -182,6 +221,21 @@ def operating_mode(servo: ServoSpec) -> int:
             f"({', '.join(map(str, usable)) or 'it has none'}), got {mode}"
         )
     return mode
+
+
+def _mode_within_limits(servo: ServoSpec) -> int:
+    """Give mode 3 for an old model that has angle limits; without them it turns for ever."""
+    settings, table = servo.settings, servo.servo_model.table
+    wheel = all(settings.get(name, table[name].initial) == 0 for name in _OLD_LIMITS)
+    if wheel or settings.get("Control Mode", _OLD_JOINT_MODE) != _OLD_JOINT_MODE:
+        raise ValueError(f"servo {servo.name!r}: want joint mode, got wheel mode")
+    return ONE_TURN_MODE
+
+
+def _velocity_unit(model: ServoModel) -> float:
+    """Give what one step of the velocity register is worth, rev/min."""
+    new = "Present Velocity" in model.table
+    return _unit(model, "Present Velocity" if new else "Present Speed")
 
 
 def _unit(model: ServoModel, register: str) -> float:
