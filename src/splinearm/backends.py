@@ -4,19 +4,22 @@ import select
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import IO
+from typing import IO, TYPE_CHECKING, NamedTuple
 
 from splinearm.arrays import FloatArray
 from splinearm.config import Cell
 from splinearm.control.clock import Clock, StepClock, WallClock
-from splinearm.control.stop import StopRequest
+from splinearm.control.realtime import real_time
 from splinearm.drivers.base import ArmDriver
 from splinearm.drivers.chain import ServoChain
 from splinearm.errors import ConfigError, PortError
+
+if TYPE_CHECKING:
+    from splinearm.drivers.bus import ServoBus
+    from splinearm.drivers.feedforward import ServoFeedforward
 
 _CENTRE_TICKS = 2048
 """Where the horns of virtual servos are mounted when the arm file leaves it to calibration."""
@@ -24,8 +27,13 @@ _CENTRE_TICKS = 2048
 _USB_MARGIN = 0.008
 """How long an answer may take beyond its time on the wire, through a USB adapter, s."""
 
-_PTY_MARGIN = 0.05
-"""The same on the pseudo terminal of the virtual bus, on a busy computer, s."""
+_VIRTUAL_MARGIN = 0.012
+"""The same from the virtual bus, whose process may have to wait for its turn, s. Together with the
+wire's time well below the time after which the servos' own watchdog stops them."""
+
+_SILENCE, _LONG_SILENCE, _LONGEST_SILENCE = 0.04, 0.1, 2.5
+"""After so long without a word servos stop by themselves, s: with real-time priority, without it,
+and at most."""
 
 _BUS_START_TIMEOUT = 20.0
 """How long the virtual bus may take to start, s."""
@@ -48,7 +56,13 @@ class Station:
 
 @contextmanager
 def open_arm(
-    cell: Cell, where: str, *, q_start: FloatArray | None = None, realtime: bool = False
+    cell: Cell,
+    where: str,
+    *,
+    q_start: FloatArray | None = None,
+    realtime: bool = False,
+    rate: float = 100.0,
+    feedforward: str | None = None,
 ) -> Iterator[Station]:
     """Open the arm of a cell somewhere; leaving holds it.
 
@@ -57,6 +71,9 @@ def open_arm(
         where: "mujoco", "virtual", or the name of a serial port.
         q_start: Where a simulated arm stands, shape (n,), rad; None: its pose "home".
         realtime: Whether a MuJoCo arm keeps pace with the wall clock. The others always do.
+        rate: Setpoints a second that servos will get, Hz, for their feed-forward.
+        feedforward: By what their goals are ahead of the setpoints: "off", "velocity" or "full";
+            None: as the arm's file says.
 
     Raises:
         ConfigError: If the cell has no servos and is to move some.
@@ -66,16 +83,35 @@ def open_arm(
     if where == "mujoco":
         with _open_mujoco(cell, q_start, realtime=realtime) as station:
             yield station
-    elif where == "virtual":
-        chain = centred(require_chain(cell))
+        return
+    ahead = _Ahead(feedforward or cell.feedforward, rate)
+    if where == "virtual":
+        virtual = replace(cell, chain=centred(require_chain(cell)))
         with (
             _virtual_bus_process(cell, q_start) as port,
-            _open_servos(cell, chain, port, _PTY_MARGIN) as arm,
+            _open_servos(virtual, port, ahead, _VIRTUAL_MARGIN) as arm,
         ):
             yield replace(arm, where=f"virtual servos on {port}")
     else:
-        with _open_servos(cell, require_chain(cell), where) as station:
+        with _open_servos(cell, where, ahead) as station:
             yield station
+
+
+class _Ahead(NamedTuple):
+    """By what goals are ahead of their setpoints, and how often they come."""
+
+    kind: str
+    rate: float
+
+    @property
+    def silence(self) -> float:
+        """After how long without a word the servos shall stop by themselves, s.
+
+        As soon as they can, if this computer can be relied on to be on time.
+        """
+        with real_time() as footing:
+            shortest = _SILENCE if footing.fifo else _LONG_SILENCE
+        return min(max(shortest, 3.0 / self.rate), _LONGEST_SILENCE)
 
 
 @contextmanager
@@ -91,14 +127,38 @@ def _open_mujoco(cell: Cell, q_start: FloatArray | None, *, realtime: bool) -> I
 
 @contextmanager
 def _open_servos(
-    cell: Cell, chain: ServoChain, port: str, margin: float = _USB_MARGIN
+    cell: Cell, port: str, ahead: _Ahead, margin: float = _USB_MARGIN
 ) -> Iterator[Station]:
     from splinearm.drivers.dynamixel import DynamixelBus
     from splinearm.drivers.servo_arm import ServoArm
 
+    chain, names = require_chain(cell), cell.arm.joint_names
     bus = DynamixelBus(port, chain.baud, margin=margin)
-    with ServoArm(chain, cell.arm.joint_names, cell.arm.limits, bus) as arm:
+    try:
+        feedforward = _feedforward(cell, chain, ahead, bus)
+        limits, silence = cell.arm.limits, ahead.silence
+        arm = ServoArm(chain, names, limits, bus, watchdog=silence, feedforward=feedforward)
+    except BaseException:
+        bus.close()
+        raise
+    with arm:
         yield Station(driver=arm, clock=WallClock(), where=f"servos on {port}")
+
+
+def _feedforward(
+    cell: Cell, chain: ServoChain, ahead: _Ahead, bus: "ServoBus"
+) -> "ServoFeedforward | None":
+    """Give by what the servos' goals are ahead: with the weight, if all masses are known."""
+    from splinearm.drivers.feedforward import ServoFeedforward, cycle_latency
+    from splinearm.kinematics.dynamics import Dynamics
+
+    if ahead.kind == "off":
+        return None
+    torque = None
+    if ahead.kind == "full" and all(link.inertia is not None for link in cell.arm.links):
+        torque = Dynamics(cell.arm).inverse
+    latency = cycle_latency(1.0 / ahead.rate, cell.arm.n, chain.baud)
+    return ServoFeedforward.of(chain, cell.arm.joint_names, torque, bus=bus, latency=latency)
 
 
 def require_chain(cell: Cell) -> ServoChain:
@@ -123,32 +183,12 @@ def centred(chain: ServoChain) -> ServoChain:
     return replace(chain, servos=servos)
 
 
-def serve_virtual_bus(
-    cell: Cell, q_start: FloatArray, stop: StopRequest, on_ready: Callable[[str], object]
-) -> None:
-    """Serve the virtual servos of a cell until a stop is asked for.
-
-    Args:
-        cell: The arm and its servos.
-        q_start: Where the arm stands, shape (n,), rad.
-        stop: Ends the serving.
-        on_ready: Gets the port's name once it can be opened.
-
-    Raises:
-        ConfigError: If the cell has no servos.
-    """
-    from splinearm.sim.virtual_bus import VirtualBus
-
-    with VirtualBus(cell.arm, centred(require_chain(cell)), q_start) as bus:
-        on_ready(bus.port)
-        while not stop.requested:
-            time.sleep(0.05)
-
-
 @contextmanager
 def _virtual_bus_process(cell: Cell, q_start: FloatArray | None) -> Iterator[str]:
     """Start a virtual bus in a process of its own, as a real one has a processor of its own."""
     command = [sys.executable, "-m", "splinearm", "virtual-bus", str(cell.file), "--until-eof"]
+    # a socket: what a pseudo terminal carries is up to 8 ms late on a busy computer
+    command += ["--transport", "socket", "--realtime"]
     if q_start is not None:
         degrees = ",".join(repr(float(angle)) for angle in cell.to_file_units(q_start))
         command.append(f"--start-deg={degrees}")

@@ -39,3 +39,13 @@ def test_a_step_clock_in_real_time_keeps_pace_with_the_wall():
     before = time.monotonic()
     clock.wait_until(0.03)
     assert time.monotonic() - before >= 0.03
+
+
+def test_a_step_clock_in_real_time_does_not_make_up_for_time_before_it_was_asked():
+    steps: list[float] = []
+    clock = StepClock(steps.append, lambda: sum(steps), realtime=True)
+    time.sleep(0.3)
+    before = time.monotonic()
+    assert clock.now() == 0.0
+    clock.wait_until(0.03)
+    assert time.monotonic() - before >= 0.03

@@ -243,6 +243,41 @@ def test_a_long_pause_stops_the_arm_from_where_it_was(arm, guard, limits, motion
     np.testing.assert_allclose(arm.written[-1].qd, 0.0, atol=1e-9)
 
 
+class SlowArm:
+    """An arm whose readings take 60 ms once a servo is lost, six cycles."""
+
+    def __init__(self, arm, slow_from):
+        self.arm, self.slow_from = arm, slow_from
+
+    def __getattr__(self, name):
+        return getattr(self.arm, name)
+
+    def read(self):
+        if self.arm.reads >= self.slow_from:
+            self.arm.advance(0.06)
+        return self.arm.read()
+
+
+class WallLikeClock(StepClock):
+    """A step clock that is late when the arm has lived on by itself."""
+
+    def wait_until(self, t):
+        super().wait_until(t)
+        return max(0.0, self.now() - t)
+
+
+def test_a_stop_comes_to_its_end_also_when_every_cycle_is_late(arm, guard, limits, motion):
+    start = arm.q.copy()
+    arm.lose_reads_from, arm.lose_reads = 20, 10_000
+    loops = Loops(SlowArm(arm, 19), WallLikeClock(arm.advance, lambda: arm.now), guard)
+    with pytest.raises(StaleFeedbackError):
+        loops.loop.follow(motion)
+    q = np.array([setpoint.q for setpoint in arm.written])
+    assert np.abs(np.diff(q, axis=0)).max() <= 0.03 * limits.qd_max.max() * (1.0 + 1e-6)
+    assert on_the_segment(q, start, Q_GOAL).max() < 1e-9
+    np.testing.assert_allclose(arm.written[-1].qd, 0.0, atol=1e-9)
+
+
 def test_a_loop_refuses_a_period_that_is_not_a_time(arm, clock, guard):
     with pytest.raises(ValueError, match="period"):
         Loop(driver=arm, clock=clock, guard=guard, period=0.0)

@@ -18,6 +18,8 @@ from splinearm.trajectories.plan import plan_joint_move
 pytestmark = pytest.mark.bus
 
 MARGIN = 0.05
+BUSY = 50
+"""Cycles that a busy computer may miss in tests that are not about that."""
 
 
 @pytest.fixture(params=["planar_2r", "wx250s"])
@@ -39,9 +41,9 @@ def driver(cell, bus):
         yield made
 
 
-def loop_on(driver, cell, observe=lambda _: None):
+def loop_on(driver, cell, observe=lambda _: None, bridge=BUSY):
     guard = Guard(cell.arm.limits)
-    return Loop(driver=driver, clock=WallClock(), guard=guard, observe=observe)
+    return Loop(driver=driver, clock=WallClock(), guard=guard, observe=observe, bridge=bridge)
 
 
 def move_by(cell, driver, angle):
@@ -60,12 +62,12 @@ def test_a_servo_that_dies_stops_the_arm_and_is_named_and_the_arm_goes_on_after_
     cell, bus, driver
 ):
     def cut(cycle):
-        if cycle.index == 15:
+        if cycle.index >= 15:
             bus.servos[2].mute = True
 
     start = driver.goal
     with pytest.raises(StaleFeedbackError, match="servo 2"):
-        loop_on(driver, cell, cut).follow(move_by(cell, driver, 0.3))
+        loop_on(driver, cell, cut, bridge=10).follow(move_by(cell, driver, 0.3))
     assert bus.servos[2].torque_on
     assert bus.servos[1].torque_on
     assert (driver.goal - start > 0.0).all()
@@ -78,7 +80,7 @@ def test_a_stop_leaves_the_servos_holding_on_the_path(cell, bus, driver):
     stop = StopRequest()
 
     def ask(cycle):
-        if cycle.index == 20:
+        if cycle.index >= 20:
             stop.request()
 
     start, written = driver.goal, []
@@ -94,3 +96,38 @@ def test_a_stop_leaves_the_servos_holding_on_the_path(cell, bus, driver):
     np.testing.assert_allclose(share, share[:, :1] * np.ones(cell.arm.n), atol=1e-9)
     assert 0.0 < share[-1, 0] < 1.0
     assert bus.servos[1].torque_on
+
+
+def approach(cell, driver, q):
+    return plan_joint_move(cell.arm.limits.scaled(0.3), driver.goal, q)
+
+
+@pytest.mark.parametrize("cell", ["planar_2r"], indirect=True)
+def test_an_overload_stops_the_arm_on_its_path_and_after_it_is_recovered_the_motion_goes_on(
+    cell, bus, driver
+):
+    def overload(cycle):
+        if cycle.index >= 20 and bus.servos[2].torque_on:
+            with bus.lock:
+                bus.servos[2].fail("overload")
+
+    motion = move_by(cell, driver, 0.3)
+    written = []
+
+    def observe(cycle):
+        written.append(cycle.setpoint.q)
+        overload(cycle)
+
+    ending = loop_on(driver, cell, observe).carry_out(motion)
+    assert ending.outcome is Outcome.FAILED
+    assert "servo 2" in str(ending.fault)
+    assert not bus.servos[2].torque_on
+    assert bus.servos[1].torque_on
+    share = (np.array(written) - motion.q_start) / 0.3
+    np.testing.assert_allclose(share, share[:, :1] * np.ones(cell.arm.n), atol=1e-9)
+    driver.recover()
+    assert bus.servos[2].torque_on
+    rest = ending.stopped.remaining()
+    loop_on(driver, cell).follow(approach(cell, driver, rest.q_start))
+    assert loop_on(driver, cell).follow(rest) is Outcome.FINISHED
+    np.testing.assert_allclose(driver.goal, motion.q_goal, atol=1e-6)

@@ -1,4 +1,9 @@
 import csv
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -50,12 +55,63 @@ def test_a_cycle_without_an_answer_leaves_its_cells_empty(tmp_path):
     assert None not in row
 
 
+def lines_of(file):
+    return file.read_text().splitlines()
+
+
+def wait_for(file, count):
+    """Wait until a file has so many lines; another process writes it."""
+    give_up = time.monotonic() + 60.0
+    while len(lines_of(file)) < count:
+        assert time.monotonic() < give_up, lines_of(file)[-1]
+        time.sleep(0.02)
+
+
 def test_rows_are_on_disk_before_the_end(tmp_path):
     file = tmp_path / "run.csv"
     with Recorder(NAMES, KINDS, file) as recorder:
         for index in range(120):
             recorder(cycle(index))
-        assert len(file.read_text().splitlines()) >= 100
+        wait_for(file, 121)
+
+
+def test_of_a_program_that_is_killed_no_row_is_lost(tmp_path):
+    file = tmp_path / "run.csv"
+    code = f"""
+import os, signal, sys
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+from pathlib import Path
+from test_record import KINDS, NAMES, Recorder, cycle
+recorder = Recorder(NAMES, KINDS, Path({str(file)!r})).__enter__()
+for k in range(500):
+    recorder(cycle(k))
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+    subprocess.run([sys.executable, "-c", code], check=False)
+    wait_for(file, 501)
+    assert [int(row["cycle"]) for row in csv.DictReader(lines_of(file))] == list(range(500))
+
+
+def test_rows_that_the_pipe_has_no_room_for_are_not_lost(tmp_path):
+    file = tmp_path / "run.csv"
+    with Recorder(NAMES, KINDS, file) as recorder:
+        recorder._pipe._process.send_signal(signal.SIGSTOP)
+        for index in range(20_000):
+            recorder(cycle(index))
+        assert recorder._pipe.delayed > 0
+        recorder._pipe._process.send_signal(signal.SIGCONT)
+    assert [int(row["cycle"]) for row in csv.DictReader(lines_of(file))] == list(range(20_000))
+
+
+def test_a_writer_that_dies_is_told_and_the_run_goes_on(tmp_path, caplog):
+    file = tmp_path / "run.csv"
+    with Recorder(NAMES, KINDS, file) as recorder:
+        recorder._pipe._process.kill()
+        recorder._pipe._process.wait()
+        for index in range(10):
+            recorder(cycle(index))
+    assert len(recorder.cycles) == 10
+    assert "are not whole" in caplog.text
 
 
 def test_a_run_without_a_cycle_leaves_no_file(tmp_path):

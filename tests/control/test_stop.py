@@ -36,3 +36,9 @@ def test_another_thread_can_ask_for_a_stop_but_handles_no_signals():
     thread.start()
     thread.join()
     assert seen == [before, True]
+
+
+def test_a_lost_terminal_is_a_wish_to_stop():
+    with StopRequest() as stop:
+        os.kill(os.getpid(), signal.SIGHUP)
+        assert stop.requested

@@ -31,12 +31,14 @@ def run(args: argparse.Namespace) -> int:
     from splinearm.runner import plan_job
 
     from .files import new_folder
-    from .run import carry_out, draw, exit_code
+    from .run import Files, carry_out, draw, exit_code
 
     folder = new_folder(args.out, "demo")
     job = demo_job()
     planned = plan_job(job, load_cell(job.arm))
-    result = carry_out(planned, "mujoco", csv=folder / "demo.csv", realtime=args.realtime)
+    result = carry_out(planned, "mujoco", Files(csv=folder / "demo.csv"), realtime=args.realtime)
     if result.recorder.cycles:
         draw(result, folder / "demo.png")
+    if result.ending.fault is not None:
+        raise result.ending.fault
     return exit_code(result)

@@ -8,16 +8,19 @@ from splinearm.units import DEG, MM
 from .output import console, table
 
 if TYPE_CHECKING:
-    from splinearm.control.report import Spread
+    from splinearm.control.report import LoopReport, Spread
     from splinearm.joints import JointLimits
     from splinearm.runner import PlannedJob, RunResult
     from splinearm.trajectories.plan import Binding, LimitPeak
+
+_PER_TIME = {"position": "", "velocity": "/s", "acceleration": "/s2", "jerk": "/s3"}
 
 
 def print_report(result: "RunResult", csv: Path | None) -> None:
     """Print the errors of a run, the loop's timing, and where the rows are."""
     if not result.recorder.cycles:
-        console.print("outcome: stopped on the way to the start; there is nothing to report")
+        word = "failed" if result.ending.fault is not None else "stopped"
+        console.print(f"outcome: {word} on the way to the start; there is nothing to report")
         return
     tracking, loop = result.tracking, result.loop
     rows = [
@@ -28,14 +31,40 @@ def print_report(result: "RunResult", csv: Path | None) -> None:
         *(_joint_row(name, spread, result) for name, spread in tracking.joints),
     ]
     console.print(table(("tracking error", "rms", "worst", "unit"), rows))
-    console.print(
-        f"loop: {loop.cycles} cycles at {loop.rate:g} Hz, {loop.missed} missed, "
-        f"{loop.unanswered} unanswered; late by {loop.lateness.rms * 1e3:.2f} ms rms, "
-        f"{loop.lateness.worst * 1e3:.2f} ms at worst; busy {loop.busy.rms * 1e3:.2f} ms"
-    )
-    console.print(f"outcome: {result.outcome.value}")
+    _print_loop(loop)
+    reason = result.ending.reason
+    console.print(f"outcome: {result.outcome.value} ({reason.name}, {int(reason)})")
+    if result.ending.stopped is not None:
+        console.print(f"rests on its path where it would have been at {_stopped_at(result)} s")
     if csv is not None:
         console.print(f"rows: {csv}")
+
+
+def _stopped_at(result: "RunResult") -> str:
+    stopped = result.ending.stopped
+    return "" if stopped is None else f"{stopped.t:.3f} of {stopped.trajectory.duration:.3f}"
+
+
+def _print_loop(loop: "LoopReport") -> None:
+    """Print how well the loop kept its time and which servos made trouble."""
+    late, busy = loop.lateness, loop.busy
+    console.print(
+        f"loop: {loop.cycles} cycles at {loop.rate:g} Hz, {loop.missed} missed, "
+        f"{loop.unanswered} unanswered; late by {late.rms * 1e3:.3f} ms rms, "
+        f"{late.p99 * 1e3:.3f} p99, {late.worst * 1e3:.3f} ms at worst; "
+        f"busy {busy.rms * 1e3:.3f} ms rms, {busy.p99 * 1e3:.3f} p99, {busy.worst * 1e3:.3f} worst"
+    )
+    rows = [
+        (
+            *(str(one.servo_id), one.name, one.joint, str(one.reads)),
+            *(str(one.timeouts), str(one.crc_errors), str(one.retries)),
+        )
+        for one in loop.servos
+        if one.timeouts or one.crc_errors or one.retries
+    ]
+    if rows:
+        columns = ("servo", "name", "joint", "asked", "no answer", "damaged", "asked again")
+        console.print(table(columns, rows))
 
 
 def _joint_row(name: str, spread: "Spread", result: "RunResult") -> tuple[str, ...]:
@@ -55,17 +84,24 @@ def print_plan(planned: "PlannedJob") -> None:
 
 
 def _peak_row(peak: "LimitPeak", limits: "JointLimits") -> tuple[str, ...]:
-    unit, per = unit_of(limits, peak.joint)
-    suffix = {"position": "", "velocity": "/s", "acceleration": "/s2", "jerk": "/s3"}[peak.quantity]
+    unit, per = _peak_unit(peak, limits)
     return (
         peak.joint,
         peak.quantity,
         f"{peak.value / per:.4g}",
         f"{peak.limit / per:.4g}",
-        unit + suffix,
+        unit,
         f"{abs(peak.value / peak.limit):.1%}" if peak.limit else "-",
         f"{peak.t:.3f}",
     )
+
+
+def _peak_unit(peak: "LimitPeak", limits: "JointLimits") -> tuple[str, float]:
+    """Give the unit in which people read a peak, and how much of SI it is."""
+    unit, per = unit_of(limits, peak.joint)
+    if peak.quantity == "torque":
+        return ("N" if unit == "mm" else "N m"), 1.0
+    return unit + _PER_TIME[peak.quantity], per
 
 
 def _binding_row(binding: "Binding") -> tuple[str, ...]:

@@ -1,12 +1,38 @@
 """``splinearm run JOB``: carry out a job, or a motion that was saved."""
 
 import argparse
-from dataclasses import replace
+import json
+import sys
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
 
 if TYPE_CHECKING:
+    from splinearm.control.cycle import Cycle
     from splinearm.runner import PlannedJob, RunResult
+
+_REDRAWN = 0.25
+"""Time of the motion between two pictures of its progress, s."""
+
+_CODES = """exit codes, and error_code of the report as control_msgs/FollowJointTrajectory has it:
+    0  SUCCESSFUL (0)                 the arm arrived within its goal tolerance
+    1  PATH_TOLERANCE_VIOLATED (-4)   a joint left its path, or a fault stopped the arm on it
+    1  GOAL_TOLERANCE_VIOLATED (-5)   a joint did not settle within its goal tolerance
+    2  INVALID_GOAL (-1), INVALID_JOINTS (-2)   refused; nothing moved, no report is written
+  130  GOAL_TOLERANCE_VIOLATED (-5)   stopped by Ctrl-C or SIGTERM, outcome "stopped\""""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Files:
+    """What a run is written to."""
+
+    csv: Path | None = None
+    """Every cycle."""
+    mcap: Path | None = None
+    """Every cycle, for Foxglove and PlotJuggler."""
+    json: Path | None = None
+    """The report."""
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -15,7 +41,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "run",
         help="carry out a job on a simulated or a real arm",
         description="Carry out a job, or a motion that was saved. Ctrl-C slows the arm down along "
-        "its path; it then holds.",
+        "its path; it then holds. A person at a terminal is asked whether to go on from there.",
+        epilog=_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("job", help="the job's TOML file, or a motion (.json, .ros.json, .csv)")
     parser.add_argument(
@@ -43,6 +71,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "--plot", type=Path, default=None, metavar="FILE", help="draw it (PNG, SVG, PDF)"
     )
     parser.add_argument(
+        "--json", type=Path, default=None, metavar="FILE", help="write the report for programs"
+    )
+    parser.add_argument(
         "--realtime", action="store_true", help="let the MuJoCo arm keep pace with the clock"
     )
     parser.set_defaults(run=run)
@@ -54,11 +85,15 @@ def run(args: argparse.Namespace) -> int:
 
     require_new(rows=args.csv, picture=args.plot)
     require_new(rows=args.mcap)
+    require_new(rows=args.json)
     is_job = Path(args.job).suffix.lower() == ".toml"
     planned = planned_job(args) if is_job else saved_motion(args)
-    result = carry_out(planned, args.on, csv=args.csv, mcap=args.mcap, realtime=args.realtime)
+    files = Files(csv=args.csv, mcap=args.mcap, json=args.json)
+    result = carry_out(planned, args.on, files, realtime=args.realtime)
     if args.plot is not None and result.recorder.cycles:
         draw(result, args.plot)
+    if result.ending.fault is not None:
+        raise result.ending.fault
     return exit_code(result)
 
 
@@ -92,42 +127,94 @@ def saved_motion(args: argparse.Namespace) -> "PlannedJob":
 
 
 def carry_out(
-    planned: "PlannedJob",
-    where: str,
-    *,
-    csv: Path | None,
-    realtime: bool,
-    mcap: Path | None = None,
+    planned: "PlannedJob", where: str, files: Files, *, realtime: bool = False
 ) -> "RunResult":
     """Carry out a job with a progress bar and print what came of it."""
     from splinearm.backends import open_arm
-    from splinearm.errors import MotionError
-    from splinearm.runner import run_job
+    from splinearm.runner import carry_out_job, resume
 
-    from .output import console, progress
-    from .report import print_report
+    from .output import console
 
     job, cell = planned.job, planned.cell
-    duration = planned.plan.trajectory.duration
-    with open_arm(cell, where, realtime=realtime) as station:
+    with open_arm(
+        cell, where, realtime=realtime, rate=job.rate, feedforward=job.feedforward
+    ) as station:
+        duration = planned.plan.trajectory.duration
         console.print(f"{job.title} on {cell.arm.name}, {station.where}: {duration:.2f} s")
-        with progress() as bar:
-            task = bar.add_task("moving", total=duration)
-            try:
-                result = run_job(
-                    planned,
-                    station,
-                    csv=csv,
-                    mcap=mcap,
-                    observe=lambda cycle: bar.update(task, completed=min(cycle.t, duration)),
-                    announce=console.print,
-                )
-            except MotionError:
-                if csv is not None:
-                    console.print(f"rows up to the fault: {csv}")
-                raise
-    print_report(result, csv)
+        with _Bar(duration) as bar:
+            result = carry_out_job(
+                planned,
+                station,
+                csv=files.csv,
+                mcap=files.mcap,
+                observe=bar.show,
+                announce=console.print,
+            )
+        _report(result, files)
+        while _shall_go_on(result):
+            rest = result.ending.stopped
+            with _Bar(0.0 if rest is None else rest.trajectory.duration - rest.t) as bar:
+                result = resume(result, station, observe=bar.show, announce=console.print)
+            _report(result, Files(json=files.json))
     return result
+
+
+def _report(result: "RunResult", files: Files) -> None:
+    """Print what came of a run; for programs write it."""
+    from .report import print_report
+
+    print_report(result, files.csv)
+    if files.json is not None:
+        files.json.write_text(json.dumps(result.document(), indent=2) + "\n", encoding="utf-8")
+
+
+def _shall_go_on(result: "RunResult") -> bool:
+    """Ask a person, if there is one, whether a stopped motion shall go on."""
+    if result.ending.stopped is None or not (sys.stdin.isatty() and sys.stdout.isatty()):
+        return False
+    if result.ending.fault is not None:
+        print(f"splinearm: {result.ending.fault}")
+    try:
+        answer = input("go on from where it rests? [y/N] ")
+    except (EOFError, KeyboardInterrupt):
+        return False
+    return answer.strip().lower() in ("y", "yes")
+
+
+class _Bar:
+    """A progress bar that is drawn only when it is told of a cycle: no thread of its own."""
+
+    def __init__(self, duration: float) -> None:
+        from .output import progress
+
+        self._duration = duration
+        self._bar = progress()
+        self._bar.live.auto_refresh = False
+        self._task = self._bar.add_task("moving", total=duration)
+        self._shown = 0.0
+
+    def __enter__(self) -> Self:
+        self._bar.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if error is None:
+            self._bar.update(self._task, completed=self._duration)
+        self._bar.refresh()
+        self._bar.stop()
+
+    def show(self, cycle: "Cycle") -> None:
+        """Be as far as a cycle."""
+        if cycle.t - self._shown < _REDRAWN:
+            return
+        self._shown = cycle.t
+        self._bar.update(self._task, completed=min(cycle.t, self._duration))
+        self._bar.refresh()
 
 
 def draw(result: "RunResult", file: Path) -> None:

@@ -18,7 +18,17 @@ The keys of a job file (``schema = "splinearm-job/1"``)::
         torque_percent      share of the joints' torques that the motion may use, by the masses in
                             the arm's file; without it torques are not looked at
         rate_hz             setpoints a second (default 100)
+        feedforward         "off", "velocity" or "full": by what servos' goals are ahead of their
+                            setpoints; without it as the arm's file says
         position_tolerance_mm   how far the tool may be off the wanted curve (default 0.02)
+    [tolerance]             how far the arm may be off before it is stopped; all optional, each one
+                            number for all joints or a list with one a joint; joints that slide
+                            have keys in ..._deg_mm with one number a joint
+        start_deg           from where the motion starts, before anything moves (default 0.25)
+        path_deg            from the setpoint on the way (default 8), besides
+        lag_s               how long a joint may be behind its setpoint while it moves (default 0.1)
+        goal_deg            from the end of the motion (default 5)
+        settle_s            how long a joint may take to get there (default 1)
     [[waypoint]]            in order; where, and what differs from [motion]
         position_mm, and quat_wxyz or rpy_deg if the orientation matters; or joints_deg
         through, facing, speed_mm_s
@@ -34,12 +44,17 @@ Poses are those of the tool in the arm's base frame. For an arm with sliding joi
 ``start_deg_mm`` and ``joints_deg_mm``.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from importlib.resources import files
 from os import PathLike
 from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.drivers.feedforward import KINDS
 from splinearm.kinematics import Pose
 from splinearm.trajectories.waypoint import ArcAbout, ArcThrough, Facing, Move, Waypoint
 
@@ -85,6 +100,11 @@ class Job:
     """Setpoints a second, Hz."""
     position_tolerance: float
     """How far the tool may be off the wanted curve, m."""
+    feedforward: str | None = None
+    """By what servos' goals are ahead of their setpoints; None: as the arm's file says."""
+    tolerances: Mapping[str, FloatArray] = field(default_factory=dict)
+    """How far joints may be off while they move, by what of ``Tolerances`` the file says, each of
+    shape (n,): ``start``, ``path`` and ``goal`` in rad or m, ``lag`` and ``settle`` in s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +133,7 @@ def load_job(path: str | PathLike[str], *, arm: str | PathLike[str] | None = Non
     cell = _load_arm(root, file, arm)
     q_start = _read_start(root, cell)
     motion, waypoint_tables = root.table("motion"), root.tables("waypoint")
+    tolerances = _read_tolerances(root.table("tolerance"), cell)
     root.finish()
     if not waypoint_tables:
         raise root.refuse("waypoint", "is missing; give a [[waypoint]] table for each place")
@@ -131,9 +152,41 @@ def load_job(path: str | PathLike[str], *, arm: str | PathLike[str] | None = Non
         torque_share=_optional(motion, "torque_percent", high=1.0),
         rate=motion.number("rate_hz", 100.0, low=1.0, high=2000.0),
         position_tolerance=motion.number("position_tolerance_mm", 2e-5, above=0.0),
+        feedforward=motion.choice("feedforward", KINDS) if "feedforward" in motion else None,
+        tolerances=tolerances,
     )
     motion.finish()
     return job
+
+
+def _read_tolerances(table: Table, cell: Cell) -> Mapping[str, FloatArray]:
+    """Read how far joints may be off."""
+    limits = cell.arm.limits
+    tolerances = {}
+    for name in ("start", "path", "goal"):
+        key = positions_key(name, limits.kinds)
+        if key not in table:
+            continue
+        if table.is_list(key) or key.endswith("_mm"):
+            tolerances[name] = table.positions(name, limits.names, limits.kinds)
+        else:
+            tolerances[name] = np.full(limits.n, table.number(key))
+        _require_above_zero(table, key, tolerances[name])
+    for name in ("lag", "settle"):
+        key = f"{name}_s"
+        if key in table:
+            is_list = table.is_list(key)
+            one_each = table.numbers(key, limits.n) if is_list else table.number(key)
+            tolerances[name] = np.full(limits.n, one_each)
+            if name != "lag" or (tolerances[name] < 0.0).any():
+                _require_above_zero(table, key, tolerances[name])
+    table.finish()
+    return MappingProxyType(tolerances)
+
+
+def _require_above_zero(table: Table, key: str, values: FloatArray) -> None:
+    if (values <= 0.0).any():
+        raise table.refuse(key, "wants numbers above zero")
 
 
 def demo_job() -> Job:

@@ -47,6 +47,10 @@ class Table:
         """The keys that the file gives, in its order."""
         return iter(self._values)
 
+    def is_list(self, key: str) -> bool:
+        """Whether the file gives a list there."""
+        return key in self and isinstance(self._values[key], list)
+
     def number(
         self,
         key: str,

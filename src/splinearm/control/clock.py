@@ -4,6 +4,11 @@ import time
 from collections.abc import Callable
 from typing import Protocol
 
+_AWAKE = 0.2
+_NAP = 5e-5
+"""Whoever was awake for the first of these times, s, sleeps for the second: the kernel pauses a
+thread under SCHED_FIFO that never sleeps for 50 ms of every second."""
+
 
 class Clock(Protocol):
     """Time as the arm lives it."""
@@ -20,16 +25,35 @@ class Clock(Protocol):
 class WallClock:
     """The computer's monotonic clock: for arms that move by themselves."""
 
+    def __init__(self, spin: float = 0.0) -> None:
+        """Set it.
+
+        Args:
+            spin: How long before it is due a waiting thread wakes and looks at the clock without
+                pause, s: worth it under SCHED_FIFO, where a sleep may end some 50 us late.
+        """
+        self.spin = spin
+        """As above; may be changed at any time."""
+        self._slept = 0.0
+
     def now(self) -> float:
         """Give the time, s."""
         return time.monotonic()
 
     def wait_until(self, t: float) -> float:
         """Sleep until ``t``; give by how much the waking was late, s."""
-        delay = t - time.monotonic()
+        now = time.monotonic()
+        delay = t - now - self.spin
         if delay > 0.0:
             time.sleep(delay)
-        return max(0.0, time.monotonic() - t)
+            self._slept = t
+        elif now - self._slept > _AWAKE:
+            time.sleep(_NAP)
+            self._slept = now
+        while (now := time.monotonic()) < t:
+            if self.spin == 0.0:
+                time.sleep(t - now)
+        return now - t
 
 
 class StepClock:
@@ -57,8 +81,11 @@ class StepClock:
         self._wall_start = time.monotonic() - now() if realtime else None
 
     def now(self) -> float:
-        """Give the arm's time, s."""
-        return self._now()
+        """Give the arm's time, s; from here on it keeps pace with the wall, if it shall."""
+        now = self._now()
+        if self._wall_start is not None:
+            self._wall_start = time.monotonic() - now
+        return now
 
     def wait_until(self, t: float) -> float:
         """Step the arm until ``t``; give by how much the wall clock is later, s."""

@@ -1,44 +1,18 @@
 """What a setpoint must pass before it may leave for the arm."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from splinearm.arrays import FloatArray
 from splinearm.errors import FollowingError, LimitError, StartError, TrajectoryError
 from splinearm.joints import JointKind, JointLimits, JointSetpoint, JointState
 from splinearm.trajectories.trajectory import JointTrajectory
-from splinearm.units import DEG
+
+from .tolerance import Tolerances as Tolerances
 
 # rounding, and the half period by which a setpoint may be sampled late: not a margin to use up
 _SLACK = 1e-6
 # share by which the mean rate between two setpoints may seem above a limit: cycle times are rounded
 _STEP_SLACK = 1e-3
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Tolerances:
-    """How far an arm may be from where it is wanted, rad (m for a sliding joint)."""
-
-    start: float = 0.25 * DEG
-    """From the first setpoint, where the arm is held before anything moves: so far it may jump."""
-    path: float | None = 8.0 * DEG
-    """From the setpoint, during the motion, besides ``lag``; None: not watched."""
-    lag: float = 0.1
-    """How long behind its setpoint a joint may be while it moves, s: a plain position servo lags
-    by its speed times such a time, 0.045 s for an XM430-W350 with the gains it is sold with."""
-    goal: float | None = 5.0 * DEG
-    """From the last setpoint, at the end; None: not watched."""
-    settle: float = 1.0
-    """How long the arm may take to come within ``goal`` after the motion, s."""
-
-    def __post_init__(self) -> None:
-        if not (np.isfinite(self.lag) and self.lag >= 0.0):
-            raise ValueError(f"lag: want a time of at least zero, got {self.lag}")
-        for name in ("start", "path", "goal", "settle"):
-            value = getattr(self, name)
-            if value is not None and not value > 0.0:
-                raise ValueError(f"{name}: want a number above zero or None, got {value}")
 
 
 class Guard:
@@ -97,20 +71,21 @@ class Guard:
         Raises:
             StartError: With the joint that is elsewhere.
         """
+        start = np.broadcast_to(self.tolerances.start, goal.shape)
         sag = np.inf if self.tolerances.path is None else self.tolerances.path
-        self._at_start(trajectory.q_start, goal, self.tolerances.start)
-        self._at_start(trajectory.q_start, state.q, self.tolerances.start + sag)
+        self._at_start(trajectory.q_start, goal, start)
+        self._at_start(trajectory.q_start, state.q, start + sag)
         self._last = None
 
-    def _at_start(self, start: FloatArray, q: FloatArray, tolerance: float) -> None:
+    def _at_start(self, start: FloatArray, q: FloatArray, tolerance: FloatArray) -> None:
         away = np.abs(q - start)
-        worst = int(np.argmax(away))
-        if away[worst] > tolerance:
+        worst = int(np.argmax(away - tolerance))
+        if away[worst] > tolerance[worst]:
             raise StartError(
                 self.limits.names[worst],
                 float(start[worst]),
                 float(q[worst]),
-                tolerance,
+                float(tolerance[worst]),
                 linear=self._slides(worst),
             )
 
@@ -125,8 +100,8 @@ class Guard:
             elapsed: Time of the motion since the last setpoint that was written, s.
 
         Raises:
-            LimitError: If it breaks a limit, or is further from the last setpoint, in position or
-                velocity, than the limits allow in that time.
+            LimitError: If it breaks a limit, or is further from the last setpoint, in position,
+                velocity or acceleration, than the limits allow in that time.
         """
         self.limits.check(setpoint.q, setpoint.qd, setpoint.qdd, t=setpoint.t, tolerance=_SLACK)
         if self._last is not None and elapsed > 0.0:
@@ -134,6 +109,9 @@ class Guard:
             self._refuse("velocity", rate, self.limits.qd_max, setpoint.t)
             gain = (setpoint.qd - self._last.qd) / elapsed
             self._refuse("acceleration", gain, self.limits.qdd_max, setpoint.t)
+            if self.limits.qddd_max is not None:
+                push = (setpoint.qdd - self._last.qdd) / elapsed
+                self._refuse("jerk", push, self.limits.qddd_max, setpoint.t)
         self._last = setpoint
 
     def follows(self, setpoint: JointSetpoint, state: JointState, t: float) -> None:
@@ -151,15 +129,25 @@ class Guard:
         goal = self.tolerances.goal
         return goal is None or bool((np.abs(state.q - setpoint.q) <= goal).all())
 
-    def require_arrival(self, setpoint: JointSetpoint, state: JointState, t: float) -> None:
-        """Pass an arm that is within the goal tolerance.
+    def require_arrival(
+        self, setpoint: JointSetpoint, state: JointState, t: float, over: float
+    ) -> None:
+        """Pass an arm whose joints are within the goal tolerance or have time left to get there.
+
+        Args:
+            setpoint: Where it should be.
+            state: Where it is.
+            t: Time along the motion, for the error, s.
+            over: For how long the motion has been over, s.
 
         Raises:
             FollowingError: With the joint that is not.
         """
         goal = self.tolerances.goal
         if goal is not None:
-            self._near(setpoint, state, np.full_like(setpoint.q, goal), t)
+            settling = over < self.tolerances.settle
+            tolerance = np.where(settling, np.inf, goal) + np.zeros_like(setpoint.q)
+            self._near(setpoint, state, tolerance, t)
 
     def _near(
         self, setpoint: JointSetpoint, state: JointState, tolerance: FloatArray, t: float

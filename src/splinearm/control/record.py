@@ -1,8 +1,8 @@
 """What happened, cycle by cycle: in memory for the report, as CSV for everything else."""
 
 import csv
+import io
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Self
@@ -11,35 +11,18 @@ import numpy as np
 
 from splinearm.arrays import FloatArray
 from splinearm.errors import ConfigError
-from splinearm.joints import JointKind, JointSetpoint, JointState
-from splinearm.units import DEG, MM
+from splinearm.joints import JointKind
 
-_FLUSH_EVERY = 50
-
-
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Cycle:
-    """One turn of the loop."""
-
-    index: int
-    """Number of the cycle, from 0; a skipped one leaves a gap."""
-    t: float
-    """When it was due, s since the loop began."""
-    lateness: float
-    """By how much it began late, s."""
-    setpoint: JointSetpoint
-    """What was written; its ``t`` is time along the motion."""
-    state: JointState | None
-    """What was measured before that; None if no full answer came."""
-    busy: float
-    """How long reading, checking and writing took, s."""
+from .cycle import Cycle as Cycle
+from .row_pipe import RowPipe
 
 
 class Recorder:
-    """Keeps every cycle, and writes it to a CSV file when given one.
+    """Keeps every cycle, and writes it to a CSV file when given one; use it in a with-block.
 
     In the file angles are in degrees, lengths in millimetres, times in seconds or milliseconds, as
-    each column's name says. A cell is empty where nothing was measured.
+    each column's name says. A cell is empty where nothing was measured. A process of its own writes
+    it: the loop never waits for the disk, and rows of a program that is killed are not lost.
     """
 
     def __init__(
@@ -56,33 +39,15 @@ class Recorder:
             ConfigError: If the file is there already or cannot be written.
         """
         self.cycles: list[Cycle] = []
-        self._file: IO[str] | None = None
-        units = ["mm" if kind is JointKind.PRISMATIC else "deg" for kind in kinds]
-        self._per_unit = np.array([MM if unit == "mm" else DEG for unit in units])
+        self._n = len(names)
+        self._path = file
+        self._pipe: RowPipe | None = None
         if file is not None:
-            self._open(file, names, units)
-
-    def _open(self, file: Path, names: Sequence[str], units: Sequence[str]) -> None:
-        try:
-            self._file = file.open("x", newline="", encoding="utf-8")
-        except FileExistsError as error:
-            raise ConfigError(
-                file, "", "is there already and is not overwritten; name another file"
-            ) from error
-        except OSError as error:
-            raise ConfigError(file, "", f"cannot be written: {error.strerror}") from error
-        columns = ["cycle", "t_s", "motion_t_s", "lateness_ms", "busy_ms"]
-        for what, suffix in (
-            ("wanted", ""),
-            ("wanted_rate", "_s"),
-            ("wanted_accel", "_s2"),
-            ("measured", ""),
-            ("measured_rate", "_s"),
-        ):
-            columns += [f"{n}_{what}_{u}{suffix}" for n, u in zip(names, units, strict=True)]
-        columns += [f"{name}_current_a" for name in names]
-        self._csv = csv.writer(self._file)
-        self._csv.writerow(columns)
+            units = ["mm" if kind is JointKind.PRISMATIC else "deg" for kind in kinds]
+            with _open(file) as stream:
+                stream.write(_headings(names, units).encode())
+                stream.flush()
+                self._pipe = RowPipe("csv_scribe", (",".join(units),), len(names), stream)
 
     def __enter__(self) -> Self:
         return self
@@ -93,42 +58,23 @@ class Recorder:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if self._file is not None:
-            self._file.close()
-            if not self.cycles:
-                Path(self._file.name).unlink()
+        if self._pipe is None or self._path is None:
+            return
+        self._pipe.close()
+        if not self.cycles:
+            self._path.unlink()
 
     def __call__(self, cycle: Cycle) -> None:
         """Keep one cycle."""
         self.cycles.append(cycle)
-        if self._file is None:
-            return
-        self._csv.writerow(self._row(cycle))
-        if len(self.cycles) % _FLUSH_EVERY == 0:
-            self._file.flush()
-
-    def _row(self, cycle: Cycle) -> list[str]:
-        row = [
-            str(cycle.index),
-            f"{cycle.t:.6f}",
-            f"{cycle.setpoint.t:.6f}",
-            f"{cycle.lateness * 1e3:.4f}",
-            f"{cycle.busy * 1e3:.4f}",
-        ]
-        wanted, state = cycle.setpoint, cycle.state
-        for values in (wanted.q, wanted.qd, wanted.qdd):
-            row += [f"{value:.9g}" for value in values / self._per_unit]
-        if state is None:
-            return row + [""] * (3 * wanted.q.size)
-        for values in (state.q, state.qd):
-            row += [f"{value:.9g}" for value in values / self._per_unit]
-        return row + ["" if np.isnan(value) else f"{value:.5g}" for value in state.current]
+        if self._pipe is not None:
+            self._pipe.send(cycle)
 
     def measured(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Give the cycles that measured: time (m,), wanted (m,n), measured (m,n), current (m,n)."""
         full = [(c, c.state) for c in self.cycles if c.state is not None]
         if not full:
-            empty = np.empty((0, self._per_unit.size))
+            empty = np.empty((0, self._n))
             return np.empty(0), empty, empty, empty
         return (
             np.array([cycle.t for cycle, _ in full]),
@@ -136,3 +82,31 @@ class Recorder:
             np.array([state.q for _, state in full]),
             np.array([state.current for _, state in full]),
         )
+
+
+def _open(file: Path) -> IO[bytes]:
+    try:
+        return file.open("xb")
+    except FileExistsError as error:
+        raise ConfigError(
+            file, "", "is there already and is not overwritten; name another file"
+        ) from error
+    except OSError as error:
+        raise ConfigError(file, "", f"cannot be written: {error.strerror}") from error
+
+
+def _headings(names: Sequence[str], units: Sequence[str]) -> str:
+    """Give the first line: what stands in each column, and in which unit."""
+    columns = ["cycle", "t_s", "motion_t_s", "lateness_ms", "busy_ms"]
+    for what, suffix in (
+        ("wanted", ""),
+        ("wanted_rate", "_s"),
+        ("wanted_accel", "_s2"),
+        ("measured", ""),
+        ("measured_rate", "_s"),
+    ):
+        columns += [f"{n}_{what}_{u}{suffix}" for n, u in zip(names, units, strict=True)]
+    columns += [f"{name}_current_a" for name in names]
+    line = io.StringIO()
+    csv.writer(line).writerow(columns)
+    return line.getvalue()

@@ -10,7 +10,9 @@ from splinearm.kinematics import quaternion
 from splinearm.kinematics.arm import Arm
 from splinearm.trajectories.plan import Plan
 
-from .record import Cycle, Recorder
+from .cycle import Cycle
+from .record import Recorder
+from .servo_count import ServoCount
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,13 +23,20 @@ class Spread:
     """Root of the mean square."""
     worst: float
     """Largest magnitude."""
+    p99: float = float("nan")
+    """Magnitude that one in a hundred exceeds."""
 
     @classmethod
     def of(cls, errors: FloatArray) -> "Spread":
         """Give the spread of errors of any shape; NaN of none."""
         if errors.size == 0:
             return cls(rms=float("nan"), worst=float("nan"))
-        return cls(rms=float(np.sqrt(np.mean(errors**2))), worst=float(np.abs(errors).max()))
+        size = np.abs(errors)
+        return cls(
+            rms=float(np.sqrt(np.mean(errors**2))),
+            worst=float(size.max()),
+            p99=float(np.percentile(size, 99)),
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -62,6 +71,8 @@ class LoopReport:
     """By how much cycles began late, s."""
     busy: Spread
     """How long a cycle's work took, s."""
+    servos: tuple[ServoCount, ...] = ()
+    """How each servo answered; none for an arm without servos."""
 
 
 def report_tracking(arm: Arm, plan: Plan, recorder: Recorder) -> TrackingReport:
@@ -90,12 +101,15 @@ def report_tracking(arm: Arm, plan: Plan, recorder: Recorder) -> TrackingReport:
     )
 
 
-def report_loop(cycles: Sequence[Cycle], period: float) -> LoopReport:
+def report_loop(
+    cycles: Sequence[Cycle], period: float, servos: tuple[ServoCount, ...] = ()
+) -> LoopReport:
     """Give how well the loop kept its time.
 
     Args:
         cycles: The cycles of one motion.
         period: Time between cycles that was asked for, s.
+        servos: How each servo answered in it.
     """
     asked = cycles[-1].index + 1 if cycles else 0
     return LoopReport(
@@ -105,4 +119,5 @@ def report_loop(cycles: Sequence[Cycle], period: float) -> LoopReport:
         unanswered=sum(cycle.state is None for cycle in cycles),
         lateness=Spread.of(np.array([cycle.lateness for cycle in cycles])),
         busy=Spread.of(np.array([cycle.busy for cycle in cycles])),
+        servos=servos,
     )

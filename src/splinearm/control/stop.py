@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM as a wish to stop, which the loop turns into a stop along the path."""
+"""Ctrl-C, SIGTERM and a lost terminal as a wish to stop, which becomes a stop along the path."""
 
 import signal
 import threading
@@ -6,12 +6,14 @@ from collections.abc import Callable
 from types import FrameType, TracebackType
 from typing import Self
 
-_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_SIGNALS = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+)
 _Handler = Callable[[int, FrameType | None], object] | int | None
 
 
 class StopRequest:
-    """While its with-block lasts, SIGINT and SIGTERM set a flag and do nothing else.
+    """While its with-block lasts, SIGINT, SIGTERM and SIGHUP set a flag and do nothing else.
 
     Its with-blocks may be nested: a loop enters the one it was given.
     """

@@ -1,0 +1,69 @@
+"""A person at a terminal stops a motion and lets it go on."""
+
+import os
+import pty
+import select
+import subprocess
+import sys
+import time
+
+import pytest
+
+from splinearm.cli.main import DONE, INTERRUPTED
+
+CTRL_C = b"\x03"
+
+
+class Terminal:
+    """A program at a pseudo terminal."""
+
+    def __init__(self, *words):
+        self.text = ""
+        self.near, far = pty.openpty()
+        command = [sys.executable, "-m", "splinearm", *map(str, words)]
+        self.process = subprocess.Popen(
+            ["setsid", "-c", "-w", *command],
+            stdin=far,
+            stdout=far,
+            stderr=far,
+            env={**os.environ, "TERM": "dumb"},
+        )
+        os.close(far)
+
+    def wait_for(self, words):
+        """Read until words have been printed."""
+        give_up = time.monotonic() + 60.0
+        while words not in self.text:
+            assert time.monotonic() < give_up, self.text
+            if select.select([self.near], [], [], 0.1)[0]:
+                try:
+                    self.text += os.read(self.near, 4096).decode(errors="replace")
+                except OSError:
+                    pytest.fail(f"it ended before it said {words!r}: {self.text}")
+
+    def type(self, keys):
+        os.write(self.near, keys)
+
+    def end(self):
+        """Read to the end and give the exit code."""
+        try:
+            while data := os.read(self.near, 4096):
+                self.text += data.decode(errors="replace")
+        except OSError:  # the other end is closed
+            pass
+        os.close(self.near)
+        return self.process.wait(timeout=30)
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(("answer", "code"), [(b"y\n", DONE), (b"\n", INTERRUPTED)])
+def test_a_person_is_asked_whether_a_stopped_motion_goes_on(cli, answer, code):
+    terminal = Terminal("run", cli.job(), "--on", "mujoco", "--realtime", "--json", "r.json")
+    terminal.wait_for("motion of 3.00 s begins")
+    time.sleep(0.5)
+    terminal.type(CTRL_C)
+    terminal.wait_for("go on from where it rests? [y/N]")
+    assert "stop asked for: stopping along the path" in terminal.text
+    terminal.type(answer)
+    assert terminal.end() == code
+    assert ("outcome: finished" in terminal.text) is (code == DONE)
