@@ -89,7 +89,9 @@ class Bench:
         return register.decode(data)
 
 
-def bench_of(model: str = "XM430-W350", *, angle: float = 0.0, zero: int = 2048, **settings: int):
+def bench_of(
+    model: str = "XM430-W350", *, angle: float = 0.0, zero: int | None = 2048, **settings: int
+):
     """Give a servo on a bench."""
     shaft = Shaft(angle=angle)
     servo = VirtualServo(

@@ -115,3 +115,51 @@ def test_the_trajectory_arrives_exactly():
         made.tick(2000, 0.0)
     made.tick(2000, 0.0)
     assert (made.position, made.velocity) == (2300.5, 0.0)
+
+
+def test_the_duty_changes_no_faster_than_its_slew():
+    made = law(slew=0.05)
+    made.aim_at(9000.0)
+    assert [round(made.tick(2000, 0.0), 3) for _ in range(3)] == [0.05, 0.1, 0.15]
+    made.release(2000.0)
+    made.aim_at(-9000.0)
+    assert made.tick(2000, 0.0) == pytest.approx(-0.05)
+
+
+@pytest.mark.parametrize("strength", [0.7, 1.2])
+def test_at_another_supply_currents_are_the_same(strength):
+    made = law(mode=Mode.CURRENT)
+    made.strength = strength
+    made.goal_current = 0.5
+    assert made.current(made.tick(2000, 300.0), 300.0) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("mode", list(Mode))
+def test_braking_it_opposes_the_motion_within_its_limit_whatever_the_mode(mode):
+    made = law(mode=mode, duty_limit=0.6)
+    made.brake(900.0)
+    assert made.busy
+    assert made.tick(2000, 900.0) == -0.6
+
+
+@pytest.mark.parametrize("mode", list(Mode))
+def test_at_rest_it_keeps_the_output_that_carries_its_load(mode):
+    made = law(mode=mode)
+    load, time_constant, speed, position = 0.3, 100.0, 900.0, 2000.0
+    made.brake(speed)
+    for _ in range(400):
+        duty = made.tick(position, speed)
+        speed += NO_LOAD * (duty - speed / NO_LOAD - load) / time_constant
+        position += 1e-3 * speed
+    assert not made.busy
+    assert abs(speed) < 0.01 * NO_LOAD
+    assert duty == pytest.approx(load, abs=0.03)
+
+
+def test_a_new_goal_ends_braking():
+    made = law(mode=Mode.PWM)
+    made.brake(900.0)
+    made.tick(2000, 900.0)
+    made.go_on()
+    made.goal_duty = 0.2
+    assert made.tick(2000, 500.0) == 0.2

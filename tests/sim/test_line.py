@@ -17,7 +17,9 @@ from splinearm.drivers.packets import (
     sync_write_params,
     write_params,
 )
+from splinearm.sim.habit import LineHabits
 from splinearm.sim.line import Line
+from splinearm.sim.line_fault import LineFault, LineFaults
 from splinearm.sim.virtual_servo import VirtualServo
 
 BAUD = 57_600
@@ -242,9 +244,9 @@ def test_corrupt_replies_are_as_many_as_asked_for(line):
     assert [len(ask(line, 1, Instruction.PING)) for _ in range(4)] == [0, 0, 1, 1]
 
 
-def test_a_corrupt_piece_spoils_what_follows_in_a_fast_read(line):
+def test_a_corrupt_piece_of_a_fast_read_is_told_from_the_good_ones(line):
     line.servos[1].corrupt_replies = 1
-    assert fast(line, [1, 2, 3])[1] == [(1, 0)]
+    assert 2 not in [servo_id for servo_id, _ in fast(line, [1, 2, 3])[1]]
     assert fast(line, [1, 2, 3])[1] == [(1, 0), (2, 0), (3, 0)]
 
 
@@ -275,3 +277,96 @@ def test_every_packet_feeds_every_watchdog(line):
     assert not line.servos[2].tripped
     line.servos[2].watch(2.0)
     assert line.servos[2].tripped
+
+
+# faults and habits
+
+
+def set_faults(line: Line, *words: str) -> None:
+    line.faults = LineFaults([LineFault.parse(text) for text in words], clock=lambda: 0.0)
+
+
+def test_a_lost_reply_is_that_of_a_servo_that_obeyed(line):
+    set_faults(line, "lost id=1 n=1")
+    assert ask(line, 1, Instruction.WRITE, write_params(LED, b"\x01")) == []
+    assert line.servos[0].value("LED") == 1
+    assert len(ask(line, 1, Instruction.PING)) == 1
+
+
+def test_a_dead_servo_neither_hears_nor_answers(line):
+    set_faults(line, "dead id=1")
+    assert ask(line, 1, Instruction.WRITE, write_params(LED, b"\x01")) == []
+    assert line.servos[0].value("LED") == 0
+    assert len(ask(line, 2, Instruction.PING)) == 1
+    set_faults(line, "dead")
+    assert ask(line, ALL, Instruction.PING) == []
+
+
+@pytest.mark.parametrize("what", ["lost", "dead", "truncated"])
+@pytest.mark.parametrize("missing", [1, 2, 3])
+def test_a_fast_read_ends_where_a_servo_is_lost(line, what, missing):
+    set_faults(line, f"{what} id={missing}")
+    assert [servo_id for servo_id, _ in fast(line, [1, 2, 3])[1]] == list(range(1, missing))
+
+
+@pytest.mark.parametrize("what", ["corrupt", "garbled", "truncated"])
+def test_a_damaged_reply_is_no_packet(line, what):
+    set_faults(line, f"{what} id=1")
+    assert ask(line, 1, Instruction.PING) == []
+
+
+def test_a_doubled_reply_comes_twice_and_noise_before_it_is_skipped(line):
+    set_faults(line, "doubled id=1", "noise id=1 size=9")
+    first, second = ask(line, 1, Instruction.PING)
+    assert first == second
+
+
+def test_a_late_reply_is_late(line):
+    set_faults(line, "late id=1 by=0.02")
+    ((_, delay),) = line.answer(Packet(1, Instruction.PING), BAUD)
+    assert delay == pytest.approx(0.02 + 250 * 2e-6)
+
+
+def test_a_sync_read_ends_at_a_missing_servo_if_so_switched(line):
+    line.habits = LineHabits(sync_read_ends=True)
+    line.servos[1].unplugged = True
+    packets = ask(line, ALL, Instruction.SYNC_READ, sync_read_params(PRESENT, 4, [1, 2, 3]))
+    assert [p.servo_id for p in packets] == [1]
+
+
+def test_servos_stick_after_a_fast_read_without_its_first_servo_if_so_switched(line):
+    line.habits = LineHabits(stuck_time=0.1)
+    line.servos[0].unplugged = True
+    assert fast(line, [1, 2])[1] == []
+    assert ask(line, 2, Instruction.PING) == []
+    assert len(ask(line, 3, Instruction.PING)) == 1
+    for servo in line.servos:
+        servo.watch(servo.now + 0.2)
+    assert len(ask(line, 2, Instruction.PING)) == 1
+    assert fast(line, [2, 1])[1] == [(2, 0)]
+    assert len(ask(line, 2, Instruction.PING)) == 1
+    assert ask(line, ALL, Instruction.FAST_SYNC_READ, b"\x01") == []
+
+
+def test_a_damaged_packet_is_answered_with_its_error_if_so_switched(line):
+    damaged = Packet(1, 0)
+    assert line.answer(damaged, BAUD, damaged=True) == []
+    line.habits = LineHabits(answers_bad_crc=True)
+    (reply,) = line.answer(damaged, BAUD, damaged=True)
+    assert [p.error for p in Decoder().feed(reply.data)] == [3]
+
+
+def test_a_wrong_baud_rate_is_answered_by_silence_or_noise(line):
+    ping = Packet(1, Instruction.PING)
+    assert line.answer(ping, 9600) == []
+    line.habits = LineHabits(noise_at_wrong_baud=True)
+    (reply,) = line.answer(ping, 9600)
+    assert Decoder().feed(reply.data) == []
+    assert line.answer(Packet(9, Instruction.PING), 9600) == []
+
+
+def test_servos_answer_no_sooner_than_they_can(line):
+    line.habits = LineHabits(turn_around=30e-6)
+    line.servos[0].memory["Return Delay Time"] = 0
+    delays = [line.answer(Packet(k, Instruction.PING), BAUD)[0].delay for k in (1, 2)]
+    assert delays == [pytest.approx(30e-6), pytest.approx(500e-6)]

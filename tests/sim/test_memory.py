@@ -90,3 +90,22 @@ def test_a_measured_value_stops_at_the_registers_end(memory):
     assert memory["Present Current"] == 32767
     memory.show("Present Temperature", -3.0)
     assert memory["Present Temperature"] == 0
+
+
+def test_it_tells_whose_bytes_a_read_shows_and_forgets_that_when_pointers_move(memory):
+    for k in range(2):
+        memory[f"Indirect Address {k + 1}"] = 126 + k
+    assert memory.names_in(224, 2) == ("Present Current",)
+    assert memory.names_in(126, 6) == ("Present Current", "Present Velocity")
+    memory["Indirect Address 2"] = 146
+    assert memory.names_in(224, 2) == ("Present Current", "Present Temperature")
+
+
+def test_a_pointer_to_where_nothing_is_reads_zero(memory):
+    memory["Indirect Address 1"] = 1023
+    assert memory.read(224, 1) == b"\x00"
+
+
+def test_a_register_that_there_is_not_is_named(memory):
+    with pytest.raises(KeyError, match="XM430-W350 has no register 'Goal Speed'"):
+        memory["Goal Speed"]

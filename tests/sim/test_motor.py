@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -43,9 +45,18 @@ def test_a_motor_has_the_figures_of_its_data_sheet_at_nominal_supply(model, volt
     assert motor_of(servo).no_load_speed == pytest.approx(rpm * 2.0 * np.pi / 60.0)
 
 
-def test_a_model_whose_stall_torque_is_not_published_is_refused():
-    with pytest.raises(ValueError, match="PH42-020-S300: its stall torque is not published"):
-        motor_of(servo_model("PH42-020-S300"))
+def test_a_model_with_a_continuous_torque_only_has_the_line_through_it():
+    motor = motor_of(servo_model("PH42-020-S300"))
+    rated = 29.2 * 2.0 * np.pi / 60.0
+    assert motor.no_load_speed == pytest.approx(32.7 * 2.0 * np.pi / 60.0)
+    assert motor.stall_torque * (1.0 - rated / motor.no_load_speed) == pytest.approx(5.1)
+    assert nominal_voltage(servo_model("PH42-020-S300")) == 24.0
+
+
+def test_a_model_whose_torque_is_not_published_is_refused():
+    unknown = replace(servo_model("XM430-W350"), name="XM000", stall=())
+    with pytest.raises(ValueError, match="XM000: its stall torque is not published"):
+        motor_of(unknown)
 
 
 def test_the_reflected_inertia_is_near_the_one_known_for_an_xm430():

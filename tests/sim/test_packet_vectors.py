@@ -8,16 +8,14 @@ from pathlib import Path
 import pytest
 
 from splinearm.drivers.model import servo_model
-from splinearm.drivers.packets import Decoder
+from splinearm.sim.ear import Ear
 from splinearm.sim.line import Line
 from splinearm.sim.virtual_servo import BOOT_TIME, VirtualServo
 
 FILE = Path(__file__).parents[1] / "data" / "dynamixel_packets.json"
-VECTORS = {
-    vector["name"]: vector
-    for vector in json.loads(FILE.read_text(encoding="utf-8"))["vectors"]
-    if vector["protocol"] == 2
-}
+PRINTED = json.loads(FILE.read_text(encoding="utf-8"))["vectors"]
+VECTORS = {vector["name"]: vector for vector in PRINTED if vector["protocol"] == 2}
+VECTORS_1 = {vector["name"]: vector for vector in PRINTED if vector["protocol"] == 1}
 CLEARS_ERRORS = "clear errors (Y series)"
 """No servo of that series is simulated."""
 
@@ -150,6 +148,13 @@ AFTERWARDS: dict[str, Callable[[Line], bool]] = {
 """What the packet must have done, beyond its answer."""
 
 
+def said(line: Line, request: str, baud: int) -> list[str]:
+    """Give the bytes of the packets that answer the bytes of one."""
+    (heard,) = Ear().feed(bytes.fromhex(request))
+    replies = line.answer(heard.packet, baud, heard.protocol)
+    return [reply.data.hex(" ").upper() for reply in replies]
+
+
 @pytest.mark.parametrize("name", [name for name in VECTORS if name != CLEARS_ERRORS])
 def test_a_printed_packet_is_answered_as_printed(name):
     vector = VECTORS[name]
@@ -157,8 +162,7 @@ def test_a_printed_packet_is_answered_as_printed(name):
     for each in line.servos:
         each.memory["Min Position Limit"], each.memory["Max Position Limit"] = 0, 4095
         each.watch(each.now + BOOT_TIME)  # they have long been switched on
-    (packet,) = Decoder().feed(bytes.fromhex(vector["tx"]))
-    answers = [reply.data.hex(" ").upper() for reply in line.answer(packet, 57_600)]
+    answers = said(line, vector["tx"], 57_600)
     if name == "read two bytes at 0, id 1 (CRC page)":  # printed without an answer
         assert len(answers) == 1
     else:
@@ -168,4 +172,85 @@ def test_a_printed_packet_is_answered_as_printed(name):
 
 def test_the_set_ups_are_for_packets_that_are_printed():
     assert set(SET_UPS) | set(AFTERWARDS) <= set(VECTORS)
-    assert len(VECTORS) > 25
+    assert len(VECTORS) + len(VECTORS_1) == 42
+
+
+# Protocol 1.0
+
+
+def ax(servo_id: int = 1, **settings: int) -> VirtualServo:
+    return servo(servo_id, "AX-12A", firmware=24, **settings)
+
+
+def hot_ax() -> Line:
+    made = ax()
+    made.temperature = 32.0
+    return Line([made])
+
+
+def registered_ax() -> Line:
+    made = ax()
+    made.reg_write(30, (500).to_bytes(2, "little"))
+    return Line([made])
+
+
+def speaking_1(servo_id: int = 1) -> Line:
+    return Line([servo(servo_id, Protocol_Type=1)])
+
+
+def bulk_pair() -> Line:
+    """Give servos that hold the 0x8000 that the manual reads, where it reads it."""
+    first, second = servo(1, Protocol_Type=1), servo(2, Protocol_Type=1)
+    first.memory["Temperature Limit"] = 0x80
+    second.memory["PWM Limit"] = 0x8000
+    return Line([first, second])
+
+
+SET_UPS_1: dict[str, Callable[[], Line]] = {
+    "read present temperature id 1": hot_ax,
+    "write id broadcast": lambda: Line([ax(7)]),
+    "action broadcast": registered_ax,
+    "factory reset id 0": lambda: Line([ax(0)]),
+    "reboot id 1": speaking_1,
+    "sync write goal position+speed ids 0 1": lambda: Line([ax(0), ax(1)]),
+    "bulk read ids 1 2": bulk_pair,
+}
+
+AFTERWARDS_1: dict[str, Callable[[Line], bool]] = {
+    "write id broadcast": lambda line: line.servos[0].servo_id == 1,
+    "reg write goal position id 1": lambda line: line.servos[0].value("Registered") == 1,
+    "action broadcast": lambda line: line.servos[0].value("Goal Position") == 500,
+    "factory reset id 0": lambda line: line.servos[0].servo_id == 1,
+    "reboot id 1": lambda line: not line.servos[0].listens(57_600),
+    "sync write goal position+speed ids 0 1": lambda line: (
+        [(s.value("Goal Position"), s.value("Moving Speed")) for s in line.servos]
+        == [(0x010, 0x150), (0x220, 0x360)]
+    ),
+}
+
+ERROR_PRINTED = "status error overload+overheat"
+
+
+@pytest.mark.parametrize("name", [name for name in VECTORS_1 if name != ERROR_PRINTED])
+def test_a_printed_packet_of_protocol_1_is_answered_as_printed(name):
+    vector = VECTORS_1[name]
+    line = SET_UPS_1.get(name, lambda: Line([ax()]))()
+    for each in line.servos:
+        each.watch(each.now + BOOT_TIME)
+    answers = said(line, vector["tx"], line.servos[0].baud)
+    if name == "checksum example":  # printed without an answer
+        assert len(answers) == 1
+    else:
+        assert answers == vector["rx"]
+    assert AFTERWARDS_1.get(name, lambda _: True)(line)
+
+
+def test_the_printed_error_byte_is_that_of_an_overloaded_hot_servo():
+    line = Line([ax()])
+    line.servos[0].hardware_error(0x24)
+    (ping,) = (v for v in VECTORS_1.values() if v["name"] == "ping id 1")
+    assert said(line, ping["tx"], 1_000_000) == VECTORS_1[ERROR_PRINTED]["rx"]
+
+
+def test_the_set_ups_of_protocol_1_are_for_packets_that_are_printed():
+    assert set(SET_UPS_1) | set(AFTERWARDS_1) <= set(VECTORS_1)

@@ -90,3 +90,24 @@ def test_a_free_shaft_that_is_cut_off_runs_down_by_its_friction():
 def test_an_arm_with_a_joint_that_nothing_drives_is_refused(make_arm):
     with pytest.raises(ValueError, match="no servo moves j1"):
         ArmPlant(make_arm(2), drives("j0"), np.zeros(2))
+
+
+def test_a_stuck_joint_stays_while_the_others_move_and_moves_again(make_arm):
+    both = drives("j0", "j1")
+    plant = ArmPlant(make_arm(2, upright=True), both, np.zeros(2))
+    run(plant, 50)
+    both[1].shaft.stuck = True
+    there = plant.q[1]
+    run(plant, 300)
+    assert plant.q[1] == pytest.approx(there, abs=1e-4)
+    assert plant.q[0] < -0.1
+    both[1].shaft.stuck = False
+    both[1].shaft.duty = 0.5
+    run(plant, 200)
+    assert plant.q[1] - there > 0.1
+
+
+def test_a_free_shaft_can_be_stuck():
+    shaft = Shaft(duty=1.0, speed=2.0, stuck=True)
+    run(FreePlant(XM430, shaft), 10)
+    assert (shaft.angle, shaft.speed) == (0.0, 0.0)

@@ -1,10 +1,11 @@
 """Servos on an arm, brought up to a time that the test gives."""
 
-from math import tau
+from math import inf, tau
 
 import numpy as np
 import pytest
 
+from splinearm.sim.choice import Choices
 from splinearm.sim.motor import motor_of
 from splinearm.sim.plant import ArmPlant, Drive
 from splinearm.sim.rig import QUIET_TIME, Rig
@@ -150,8 +151,29 @@ def test_a_servo_that_still_sums_up_an_error_is_not_at_rest(make_arm, make_chain
 
 def test_a_servo_stuck_at_a_stop_is_at_rest(make_arm, make_chain):
     rig, servos, _ = rig_of(make_arm(1), make_chain(1, **{"Operating Mode": 1}), [2.8])
+    servos[0].choices = Choices(overload_time=inf)
     hold(servos)
     servos[0].write(104, (30).to_bytes(4, "little"))
     rig.advance_to(10.0)
     assert rig.asleep
     assert servos[0].value("Present PWM") == 885
+
+
+def test_what_is_done_to_a_servo_by_hand_wakes_the_rig(flat):
+    rig, servos, plant = flat
+    hold(servos)
+    rig.advance_to(1.0)
+    assert rig.asleep
+    servos[0].slip(0.2)
+    rig.advance_to(2.0)
+    assert plant.q[0] == pytest.approx(0.3, abs=0.01)
+
+
+def test_an_arm_at_rest_under_load_is_overloaded_in_its_time(upright):
+    rig, servos, _ = upright
+    for servo in servos:
+        servo.choices = Choices(overload_share=0.05, overload_time=5.0)
+    hold(servos)
+    for k in range(100):
+        rig.advance_to(0.1 * k)
+    assert any(servo.alarms == 0x20 for servo in servos)

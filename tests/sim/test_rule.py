@@ -43,7 +43,7 @@ def test_ram_is_open_while_the_torque_is_on(bench):
         ("Min Voltage Limit", 94),
         ("PWM Limit", 886),
         ("Indirect Address 1", 63),
-        ("Protocol Type", 1),
+        ("Protocol Type", 3),
     ],
 )
 def test_a_value_out_of_range_is_a_range_error(bench, name, value):

@@ -238,7 +238,7 @@ def test_goals_move_joints(client, port, bus):
     for servo_id, q in ((1, -0.5), (2, 0.6)):
         client.write1ByteTxRx(port, servo_id, TORQUE, 1)
         assert client.write4ByteTxRx(port, servo_id, GOAL, ticks(q)) == (OK, 0)
-    assert until(lambda: bus._rig.asleep)
+    assert until(lambda: bus.rig.asleep)
     np.testing.assert_allclose(bus.q, (-0.5, 0.6), atol=0.01)
     assert abs(client.read4ByteTxRx(port, 1, PRESENT)[0] - ticks(-0.5)) < 8
 
@@ -284,7 +284,7 @@ def test_a_shadow_helps_its_leader_without_a_packet_of_its_own(make_arm, client)
         assert client.write1ByteTxRx(port, 1, TORQUE, 1) == (OK, 0)
         assert client.write4ByteTxRx(port, 1, GOAL, ticks(0.5)) == (OK, 0)
         assert client.read1ByteTxRx(port, 2, TORQUE) == (1, OK, 0)
-        assert until(lambda: bus._rig.asleep)
+        assert until(lambda: bus.rig.asleep)
         assert abs(bus.q[0] - 0.5) < 0.01
         positions = [client.read4ByteTxRx(port, k, PRESENT)[0] for k in (1, 2)]
         assert abs(positions[0] - positions[1]) <= 2
@@ -297,7 +297,7 @@ port, client = sdk.PortHandler(sys.argv[1]), sdk.PacketHandler(2.0)
 port.setBaudRate(1_000_000)
 client.write1ByteTxRx(port, 1, 11, 1)
 client.write1ByteTxRx(port, 1, 64, 1)
-client.write1ByteTxRx(port, 1, 98, 3)
+client.write1ByteTxRx(port, 1, 98, 20)
 while True:
     client.write4ByteTxRx(port, 1, 104, 40)
     print("moving", flush=True)
@@ -406,7 +406,7 @@ def test_without_wire_time_they_do_not(bus):
 
 def test_an_idle_bus_costs_next_to_nothing(bus, client, port):
     client.write1ByteTxRx(port, 1, TORQUE, 1)
-    assert until(lambda: bus._rig.asleep)
+    assert until(lambda: bus.rig.asleep)
     begun, worked = time.monotonic(), time.process_time()
     time.sleep(0.3)
     assert time.process_time() - worked < 0.1 * (time.monotonic() - begun)
@@ -457,7 +457,11 @@ def test_a_servo_of_another_arms_joint_is_refused(make_arm, make_chain):
         VirtualBus(make_arm(2), make_chain(3))
 
 
-def test_servos_of_protocol_1_are_refused(make_arm, make_chain):
-    chain = ServoChain(servos=make_chain(2).servos, baud=1_000_000, protocol=1.0)
-    with pytest.raises(ValueError, match=r"want servos of protocol 2\.0, got 1\.0"):
-        VirtualBus(make_arm(2), chain)
+def test_a_model_that_does_not_speak_protocol_1_is_refused_in_a_chain_that_does(make_arm):
+    def chain(model: str) -> ServoChain:
+        spec = ServoSpec(name="s", servo_id=1, model=model, role=ServoRole.LEADER, joint="j0")
+        return ServoChain(servos=(spec,), baud=1_000_000, protocol=1.0)
+
+    with pytest.raises(ValueError, match=r"XL330-M288 does not speak 1\.0"):
+        VirtualBus(make_arm(1), chain("XL330-M288"))
+    assert VirtualBus(make_arm(1), chain("XM430-W350")).servos[1].value("Protocol Type") == 1

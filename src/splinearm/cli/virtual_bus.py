@@ -1,12 +1,26 @@
 """``splinearm virtual-bus ARM``: a line of virtual servos for any program that speaks to servos."""
 
 import argparse
+import gc
 import sys
 import threading
+import time
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from splinearm.control.stop import StopRequest
+    from splinearm.sim.line_fault import LineFault
+    from splinearm.sim.virtual_bus import VirtualBus
+
+_ORDERS = """
+Orders, one a line on standard input (with --orders):
+  fault WHAT [id=N] [p=SHARE] [n=TIMES] [for=SECONDS] [by=SECONDS] [size=BYTES]
+        WHAT: lost, corrupt, garbled, truncated, doubled, late, noise, echo, dead, pause
+  clear      no fault any more
+  unplug     the port vanishes
+  plug in    it comes back under another name, which is printed
+"""
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -16,12 +30,39 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         help="start virtual servos on a serial port of their own",
         description="Start an arm's servos virtually, on a pseudo terminal that any program can "
         "open as a serial port. Prints the port's name; Ctrl-C ends it.",
+        epilog=_ORDERS,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("arm", help="a shipped arm or the path of an arm file")
     parser.add_argument(
         "--pose", default=None, help="named pose in which the arm stands (default: home)"
     )
     parser.add_argument("--start-deg", default=None, help="or its joint angles: 10,-20.5,...")
+    parser.add_argument(
+        "--transport",
+        choices=("pty", "socket"),
+        default="pty",
+        help="a pseudo terminal, or a unix socket: quicker and steadier, for splinearm only",
+    )
+    parser.add_argument(
+        "--usb-latency-ms",
+        type=float,
+        default=0.0,
+        help="hold replies back to such ticks, as an FTDI adapter does (default: 0, not at all)",
+    )
+    parser.add_argument(
+        "--realtime", action="store_true", help="go before other programs, where permitted"
+    )
+    parser.add_argument("--link", type=Path, default=None, help="symbolic link to the port")
+    parser.add_argument(
+        "--fault",
+        action="append",
+        type=_fault,
+        default=[],
+        help='what goes wrong, as in "lost id=3 p=0.01"; may be given often',
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of the faults' dice (default: 0)")
+    parser.add_argument("--orders", action="store_true", help="take orders from standard input")
     parser.add_argument(
         "--until-eof",
         action="store_true",
@@ -32,21 +73,64 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
 
 def run(args: argparse.Namespace) -> int:
     """Serve until interrupted."""
-    from splinearm.backends import serve_virtual_bus
+    from splinearm.backends import centred, require_chain
     from splinearm.config import load_cell
     from splinearm.control.stop import StopRequest
+    from splinearm.sim.virtual_bus import VirtualBus
 
     from .words import start_of
 
     cell = load_cell(args.arm)
     q_start = start_of(cell, args.pose, args.start_deg)
-    with StopRequest() as stop:
-        if args.until_eof:
-            threading.Thread(target=_stop_at_eof, args=(stop,), daemon=True).start()
-        serve_virtual_bus(cell, q_start, stop, lambda port: print(f"port: {port}", flush=True))
+    bus = VirtualBus(
+        cell.arm,
+        centred(require_chain(cell)),
+        q_start,
+        transport=args.transport,
+        usb_latency=args.usb_latency_ms * 1e-3,
+        realtime=args.realtime,
+        link=args.link,
+        seed=args.seed,
+    )
+    bus.faults = tuple(args.fault)
+    gc.freeze()  # what is there by now stays: the collector need not look at it while servos answer
+    with StopRequest() as stop, bus:
+        print(f"port: {bus.port}", flush=True)
+        for refusal in bus.refused:
+            print(f"not permitted: {refusal}", flush=True)
+        if args.until_eof or args.orders:
+            threading.Thread(target=_listen, args=(bus, stop, args), daemon=True).start()
+        while not stop.requested:
+            time.sleep(0.05)
     return 0
 
 
-def _stop_at_eof(stop: "StopRequest") -> None:
-    sys.stdin.read()
-    stop.request()
+def _listen(bus: "VirtualBus", stop: "StopRequest", args: argparse.Namespace) -> None:
+    """Take orders until standard input ends."""
+    for line in sys.stdin:
+        if args.orders:
+            try:
+                _take_order(bus, line.strip())
+            except (ValueError, RuntimeError) as error:
+                print(f"not understood: {error}", flush=True)
+    if args.until_eof:
+        stop.request()
+
+
+def _take_order(bus: "VirtualBus", order: str) -> None:
+    if order.startswith("fault "):
+        bus.faults = (*bus.faults, _fault(order.removeprefix("fault ")))
+    elif order == "clear":
+        bus.faults = ()
+    elif order == "unplug":
+        bus.unplug()
+    elif order == "plug in":
+        print(f"port: {bus.plug_in()}", flush=True)
+    elif order:
+        raise ValueError(f"want fault, clear, unplug or plug in, got {order!r}")
+
+
+def _fault(text: str) -> "LineFault":
+    from splinearm.sim.line_fault import LineFault
+
+    return LineFault.parse(text)

@@ -8,28 +8,16 @@ Source: ROBOTIS e-Manual, "Position PID Gain", "Velocity PI Gain", "Current-base
 """
 
 from dataclasses import dataclass
-from enum import IntEnum
 from math import inf
 
+from .brake import Brake
+from .compliance import Compliance
+from .mode import POSITION_MODES as POSITION_MODES
+from .mode import Mode as Mode
 from .profile import Profile, ProfileKind, by_time, by_velocity, step
 from .shaft import TIMESTEP
 
 _MS = TIMESTEP / 1e-3
-
-
-class Mode(IntEnum):
-    """Values of Operating Mode."""
-
-    CURRENT = 0
-    VELOCITY = 1
-    POSITION = 3
-    EXTENDED_POSITION = 4
-    CURRENT_POSITION = 5
-    PWM = 16
-
-
-POSITION_MODES = frozenset((Mode.POSITION, Mode.EXTENDED_POSITION, Mode.CURRENT_POSITION))
-"""Modes that follow Goal Position."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,6 +54,10 @@ class LawSettings:
     """Profile acceleration, ticks/s2; 0: none. Time-based: time of a ramp, s."""
     time_based: bool
     """Whether the profile is given by its times."""
+    slew: float = inf
+    """Most by which the duty may change in a millisecond."""
+    compliance: Compliance | None = None
+    """What takes the place of the gains in servos that have none."""
 
 
 class ServoLaw:
@@ -93,12 +85,17 @@ class ServoLaw:
         self._acceleration = 0.0
         self._no_load = no_load_speed
         self.stall_current = stall_current
-        """Current of the motor at standstill and full duty, A."""
+        """Current of the motor at standstill, full duty and nominal supply, A."""
+        self.strength = 1.0
+        """The supply as a share of the nominal one; above 0."""
         self._profile: Profile = step(0.0)
         self._since = 0.0
         self._ends = 0.0
         self._sum = 0.0
         self._winding = False
+        self._duty = 0.0
+        self._speed = 0.0
+        self._brake: Brake | None = None
 
     @property
     def profile_kind(self) -> ProfileKind:
@@ -113,7 +110,7 @@ class ServoLaw:
     @property
     def busy(self) -> bool:
         """Whether it will do something new by itself: move its trajectory, or sum up an error."""
-        return self.profile_ongoing or self._winding
+        return self.profile_ongoing or self._winding or self.braking
 
     def rest_at(self, position: float) -> None:
         """Begin, or stop: let the trajectory rest at ``position`` and forget what was summed up."""
@@ -121,6 +118,28 @@ class ServoLaw:
         self._profile, self._since, self._ends = step(position), 0.0, 0.0
         self._sum = 0.0
         self._winding = False
+        self._brake = None
+
+    def release(self, position: float) -> None:
+        """Let go: no output from here on, and none to slew from."""
+        self.rest_at(position)
+        self._duty = 0.0
+
+    @property
+    def braking(self) -> bool:
+        """Whether it is still coming to rest."""
+        return self._brake is not None and not self._brake.done
+
+    def go_on(self) -> None:
+        """End braking, for there is a new goal."""
+        self._brake = None
+
+    def brake(self, speed: float) -> None:
+        """Brake from a speed (ticks/s) as hard as the PWM limit allows, and hold where it ends."""
+        share = speed / self._no_load
+        self.goal_velocity = self.goal_current = self.goal_duty = 0.0
+        change = share - self._speed / self._no_load
+        self._brake = Brake(self._duty * self.strength - share, change, self.settings.slew)
 
     def aim_at(self, goal: float) -> None:
         """Begin a profile from the trajectory's present state to a goal, ticks."""
@@ -137,7 +156,7 @@ class ServoLaw:
 
     def current(self, duty: float, speed: float) -> float:
         """Give the motor's current at a duty and a speed (ticks/s), A."""
-        return self.stall_current * (duty - speed / self._no_load)
+        return self.stall_current * (duty * self.strength - speed / self._no_load)
 
     def tick(self, position: float, speed: float) -> float:
         """Let ``TIMESTEP`` go by and give the duty.
@@ -147,19 +166,46 @@ class ServoLaw:
             speed: How fast it turns, ticks/s.
         """
         s = self.settings
-        if s.mode in POSITION_MODES:
+        if self._brake is not None:
+            duty = self._braked(self._brake, position, speed)
+        elif s.mode in POSITION_MODES:
             duty = self._follow(position, speed) / s.full_pwm
             if s.current_limit < inf:
                 back = speed / self._no_load
                 most = s.current_limit / self.stall_current
-                duty = min(max(duty, back - most), back + most)
+                duty = min(max(duty, (back - most) / self.strength), (back + most) / self.strength)
         elif s.mode == Mode.VELOCITY:
             duty = self._turn(speed) / s.full_pwm
         elif s.mode == Mode.CURRENT:
-            duty = self.goal_current / self.stall_current + speed / self._no_load
+            wanted = self.goal_current / self.stall_current + speed / self._no_load
+            duty = wanted / self.strength
         else:
             duty = self.goal_duty
-        return min(max(duty, -s.duty_limit), s.duty_limit)
+        if s.slew < inf:
+            duty = min(max(duty, self._duty - s.slew), self._duty + s.slew)
+        self._speed = speed
+        self._duty = duty = min(max(duty, -s.duty_limit), s.duty_limit)
+        return duty
+
+    def _braked(self, brake: Brake, position: float, speed: float) -> float:
+        """Give the duty that brings the servo to rest; at rest, go on by the law of its mode."""
+        limit = self.settings.duty_limit * self.strength
+        wanted = brake.tick(speed / self._no_load, self._duty * self.strength, limit)
+        if brake.done:
+            self._hold(position, brake.carried / self.strength)
+        return wanted / self.strength
+
+    def _hold(self, position: float, carried: float) -> None:
+        """Let the goals of the mode be those that keep an output.
+
+        Modes that feed nothing back, current and PWM, would drift; they go on braking.
+        """
+        s = self.settings
+        if s.mode in POSITION_MODES and s.p > 0.0:
+            self.rest_at(position + carried * s.full_pwm / s.p)
+        elif s.mode == Mode.VELOCITY and s.vi > 0.0:
+            self.rest_at(position)
+            self._sum = carried * s.full_pwm / s.vi
 
     def _follow(self, position: float, speed: float) -> float:
         """Give the PWM that brings the servo to its trajectory."""
@@ -168,6 +214,8 @@ class ServoLaw:
             self._since += TIMESTEP
             self.position, self.velocity, self._acceleration = self._profile.at(self._since)
         error = self.position - position
+        if s.compliance is not None:
+            return s.compliance.pwm(error)
         self._sum_up(error, s.i, 1.0)
         return (
             s.p * error

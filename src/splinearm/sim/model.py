@@ -34,6 +34,9 @@ ROD_LENGTH = 0.04
 SUPPLY = 1.0
 """Supply of the model's motors: duties are voltages of a 1 V motor."""
 
+OVER_SUPPLY = 2.0
+"""Highest supply of a motor over its nominal one."""
+
 _SHOWN_RADIUS = 0.012
 _RGBA = (0.35, 0.45, 0.6, 1.0)
 
@@ -95,7 +98,7 @@ def add_servos(
 
 
 def add_duty_motor(spec: mujoco.MjSpec, name: str, joint: str, motor: Motor, group: int) -> None:
-    """Add a motor that is driven by its duty, -1..1, to a joint.
+    """Add a motor that is driven by its duty to a joint: -1..1 at the nominal supply.
 
     Args:
         spec: The model.
@@ -107,7 +110,7 @@ def add_duty_motor(spec: mujoco.MjSpec, name: str, joint: str, motor: Motor, gro
     actuator = _add_actuator(spec, name, joint)
     actuator.set_to_dcmotor(**_line(motor))
     actuator.ctrllimited = True
-    actuator.ctrlrange = (-SUPPLY, SUPPLY)
+    actuator.ctrlrange = (-OVER_SUPPLY * SUPPLY, OVER_SUPPLY * SUPPLY)
     actuator.group = group
 
 

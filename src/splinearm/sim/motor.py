@@ -8,8 +8,9 @@ from splinearm.drivers.chain import ServoChain
 from splinearm.drivers.model import ServoModel
 from splinearm.joints import JointKind, JointLimits
 from splinearm.kinematics.arm import Arm
+from splinearm.units import RPM
 
-NOMINAL_VOLTAGES = (12.0, 5.0, 7.4)
+NOMINAL_VOLTAGES = (12.0, 5.0, 7.4, 24.0)
 """Supplies that the maker recommends; of a model's figures those at the first of these hold, V."""
 
 MOTOR_TIME_CONSTANT = 0.05
@@ -20,6 +21,11 @@ XM430-W350 servos, has a reflected inertia of 0.045 kg m2, which makes 0.053 s."
 FRICTION_SHARE = 0.0075
 """Dry friction of motor and gear as a share of the stall torque: an estimate from the same model
 (0.03 N m of 4.1 N m)."""
+
+RATED = {"PH42-020-S300": (5.1, 29.2, 1.5, 0.57)}
+"""Continuous torque (N m), speed there (rev/min), current there and without load (A) of models
+whose stall figures are not published, at the supply of their no-load speed. Source: ROBOTIS
+e-Manual."""
 
 NO_LOAD_MARGIN = 2.0
 """No-load speed over highest allowed speed of a motor that is known by its limits only: at the
@@ -61,12 +67,23 @@ class Motor:
 def motor_of(model: ServoModel) -> Motor:
     """Give the motor of a servo model at its nominal supply.
 
+    Where the stall figures are not published, the line goes through the no-load speed and the
+    continuous torque, and the current with it.
+
     Raises:
-        ValueError: If the maker publishes no stall torque for it.
+        ValueError: If neither is published.
     """
     voltage = nominal_voltage(model)
-    stall = next(row for row in model.stall if row.voltage == voltage)
     no_load = next(row for row in model.no_load if row.voltage == voltage)
+    if not model.stall:
+        torque, rpm, current, idle = RATED[model.name]
+        share = 1.0 - rpm * RPM / no_load.speed
+        return Motor(
+            stall_torque=torque / share,
+            no_load_speed=no_load.speed,
+            stall_current=idle + (current - idle) / share,
+        )
+    stall = next(row for row in model.stall if row.voltage == voltage)
     return Motor(
         stall_torque=stall.torque, no_load_speed=no_load.speed, stall_current=stall.current
     )
@@ -76,9 +93,10 @@ def nominal_voltage(model: ServoModel) -> float:
     """Give the supply at which a servo model is simulated, V.
 
     Raises:
-        ValueError: If the maker publishes no stall torque for it.
+        ValueError: If the maker publishes neither stall nor continuous torque for it.
     """
-    known = {row.voltage for row in model.stall}
+    rows = model.stall or (model.no_load if model.name in RATED else ())
+    known = {row.voltage for row in rows}
     for voltage in NOMINAL_VOLTAGES:
         if voltage in known:
             return voltage

@@ -14,6 +14,9 @@ from .model import add_duty_motor, build_spec, compile_model
 from .motor import Motor, together
 from .shaft import TIMESTEP, Shaft
 
+STUCK_DAMPING = 1e6
+"""Damping of a joint that is held fast, N m s/rad."""
+
 _MOST_SERVOS = 31  # MuJoCo's actuator groups that can be cut off
 
 
@@ -53,6 +56,8 @@ class ArmPlant:
         for group, drive in enumerate(drives):
             add_duty_motor(spec, f"servo {group}", drive.joint, drive.motor, group)
         self._model = compile_model(spec)
+        self._damping = self._model.dof_damping.tolist()
+        self._stuck = [False] * len(drives)
         self._data = mujoco.MjData(self._model)
         self._data.qpos[:] = q_start
         mujoco.mj_forward(self._model, self._data)
@@ -66,14 +71,17 @@ class ArmPlant:
     @property
     def speed(self) -> float:
         """How fast the quickest joint moves, rad/s."""
-        return max(abs(drive.shaft.speed) for drive in self._drives)
+        return max(map(abs, self._qd))
 
     def step(self) -> None:
         """Let ``TIMESTEP`` go by."""
         cut_off = 0
         control = self._data.ctrl
         for group, drive in enumerate(self._drives):
-            duty = drive.shaft.duty
+            shaft = drive.shaft
+            if shaft.stuck is not self._stuck[group]:
+                self._catch()
+            duty = shaft.duty
             if duty is None:
                 cut_off |= 1 << group
             else:
@@ -82,9 +90,19 @@ class ArmPlant:
         mujoco.mj_step(self._model, self._data)
         self._report()
 
+    def _catch(self) -> None:
+        """Hold the joints fast whose shafts are stuck, and let the others go."""
+        self._stuck = [drive.shaft.stuck for drive in self._drives]
+        held = {joint for joint, stuck in zip(self._joints, self._stuck, strict=True) if stuck}
+        for joint, damping in enumerate(self._damping):
+            self._model.dof_damping[joint] = STUCK_DAMPING if joint in held else damping
+            if joint in held:
+                self._data.qvel[joint] = 0.0
+
     def _report(self) -> None:
         """Tell the shafts where they are."""
         q, qd = self._data.qpos.tolist(), self._data.qvel.tolist()
+        self._qd: list[float] = qd
         for joint, drive in zip(self._joints, self._drives, strict=True):
             drive.shaft.angle = q[joint]
             drive.shaft.speed = qd[joint]
@@ -105,6 +123,9 @@ class FreePlant:
     def step(self) -> None:
         """Let ``TIMESTEP`` go by."""
         motor, shaft = self._motor, self._shaft
+        if shaft.stuck:
+            shaft.speed = 0.0
+            return
         speed = shaft.speed
         if shaft.duty is not None:
             # J dw/dt = stall (duty - w / no_load), implicit in w so that any step is stable

@@ -26,6 +26,7 @@ class PtyPort:
         tty.setraw(self._slave)
         os.set_blocking(self._master, False)
         self._wake_read, self._wake_write = os.pipe()
+        self._ends = (self._master, self._wake_read)
         self.name = os.ttyname(self._slave)
         """What a client opens."""
         self.lost_bytes = 0
@@ -42,7 +43,7 @@ class PtyPort:
 
     def read(self, timeout: float) -> bytes:
         """Give what has come, waiting for it for at most ``timeout`` seconds; empty: nothing."""
-        ready, _, _ = select.select((self._master, self._wake_read), (), (), timeout)
+        ready, _, _ = select.select(self._ends, (), (), timeout)
         if self._wake_read in ready:
             os.read(self._wake_read, _CHUNK)
         if self._master not in ready:

@@ -2,8 +2,10 @@
 
 from collections.abc import Sequence
 
-from .core import ServoCore
+from .fault import FaultyServo
+from .motor import nominal_voltage
 from .shaft import TIMESTEP, Plant
+from .supply import Supply
 
 QUIET_SPEED = 1e-3
 """Speed below which nothing counts as moving, rad/s."""
@@ -26,7 +28,7 @@ class Rig:
     """
 
     def __init__(
-        self, servos: Sequence[ServoCore], plants: Sequence[Plant], *, held: bool = False
+        self, servos: Sequence[FaultyServo], plants: Sequence[Plant], *, held: bool = False
     ) -> None:
         """Take servos and plants.
 
@@ -42,6 +44,11 @@ class Rig:
         self._drive: list[float] = []
         self._quiet_steps = 0
         self._held = held
+        voltages = dict.fromkeys(nominal_voltage(servo.model) for servo in servos)
+        self.supplies = tuple(Supply(voltage) for voltage in voltages)
+        """The supplies, one for the servos of each nominal voltage."""
+        for supply, voltage in zip(self.supplies, voltages, strict=True):
+            supply.connect([s for s in servos if nominal_voltage(s.model) == voltage])
 
     @property
     def now(self) -> float:
@@ -61,9 +68,18 @@ class Rig:
         """Let time go by without steps until ``t``, s; never back."""
         self._offset += max(t - self.now, 0.0)
 
+    def brown_out(self, off_for: float = 0.0) -> None:
+        """Let every servo lose its power and get it back after a time, s."""
+        for supply in self.supplies:
+            supply.brown_out(off_for)
+
     def advance_to(self, t: float) -> None:
         """Let the time be ``t``, s, to the millisecond before it."""
         self._held = self._held and not any(servo.torque_on for servo in self._servos)
+        if any(servo.stirred for servo in self._servos):
+            self.wake()
+            for servo in self._servos:
+                servo.stirred = False
         if self.asleep:
             self._pass_to(t)
         while not self.asleep and self.now + TIMESTEP <= t + _ROUNDING:
@@ -78,11 +94,14 @@ class Rig:
             servo.tick(now)
         for plant in self._plants:
             plant.step()
+        for supply in self.supplies:
+            if supply.resistance > 0.0:
+                supply.step()
         if self._is_quiet():
             self._quiet_steps += 1
         else:
             self._quiet_steps = 0
-            self._drive = self._driven()
+            self._drive = []
 
     def _is_quiet(self) -> bool:
         """Tell whether nothing moves, and no servo has done anything new since all was quiet."""
@@ -94,7 +113,9 @@ class Rig:
 
     def _drives_on(self) -> bool:
         """Tell whether each servo still does to its shaft what it did when all became quiet."""
-        return len(self._drive) == len(self._servos) and all(
+        if not self._drive:
+            self._drive = self._driven()
+        return all(
             abs(before - now) <= QUIET_DUTY
             for before, now in zip(self._drive, self._driven(), strict=True)
         )

@@ -9,12 +9,13 @@ from enum import IntEnum
 from splinearm.drivers.model import ServoModel
 from splinearm.drivers.registers import Area, Register
 
-from .law import Mode
+from .firmware import drive_mode_bits
 from .memory import Change, TableMemory
+from .mode import Mode, mode_of
 
 
 class Refusal(IntEnum):
-    """Error number of a status packet."""
+    """Error number of a status packet of Protocol 2.0."""
 
     NONE = 0
     RESULT_FAIL = 1
@@ -54,7 +55,7 @@ def refusal(
     for register, value in changes:
         if tripped and (register.name in GOALS or (register.name == "Bus Watchdog" and value != 0)):
             return Refusal.DATA_RANGE
-        if not _in_range(register, value, model):
+        if not _in_range(register, value, model) or _refused_here(register, value, memory, model):
             return Refusal.DATA_RANGE
         if not _within_limits(register, value, memory, model):
             return Refusal.DATA_LIMIT
@@ -66,7 +67,7 @@ def _in_range(register: Register, value: int, model: ServoModel) -> bool:
     if register.name == "Operating Mode":
         return value in model.modes
     if register.name == "Protocol Type":
-        return value == 2  # Protocol 1.0 is not spoken here
+        return value in model.protocols
     if register.name == "Secondary(Shadow) ID" and value in _NO_SECONDARY_ID:
         return True
     low, high = register.minimum, register.maximum
@@ -79,10 +80,24 @@ def _in_range(register: Register, value: int, model: ServoModel) -> bool:
 
 def _within_limits(register: Register, value: int, memory: TableMemory, model: ServoModel) -> bool:
     """Tell whether a value is within the limits that the servo's own registers set."""
-    mode = memory["Operating Mode"]
-    if register.name == "Goal Position" and mode in (Mode.EXTENDED_POSITION, Mode.CURRENT_POSITION):
-        return abs(value) < _TURNS * model.pulses
+    if register.name == "Goal Position":
+        mode = mode_of(memory)
+        if mode in (Mode.EXTENDED_POSITION, Mode.CURRENT_POSITION):
+            return abs(value) < _TURNS * model.pulses
+        if "CW Angle Limit" in memory:
+            low, high = memory["CW Angle Limit"], memory["CCW Angle Limit"]
+            return mode != Mode.POSITION or low <= value <= high
     if not (isinstance(register.minimum, str) or isinstance(register.maximum, str)):
         return True
     low, high = memory.table.limits(register.name, memory.__getitem__)
     return low <= value <= high
+
+
+def _refused_here(register: Register, value: int, memory: TableMemory, model: ServoModel) -> bool:
+    """Tell whether this servo lacks a value that its model has: by its firmware, or by Lock.
+
+    What Lock has locked, only a loss of power unlocks.
+    """
+    if register.name == "Drive Mode":
+        return bool(value & ~drive_mode_bits(model, memory["Firmware Version"]))
+    return register.name == "Lock" and value == 0 and memory["Lock"] != 0

@@ -1,19 +1,18 @@
 """What the numbers in a servo's registers mean to its control loop."""
 
 from dataclasses import dataclass
-from math import inf, tau
+from math import tau
 
 from splinearm.drivers.model import ServoModel
-
-from .law import LawSettings, Mode
-from .memory import TableMemory
 
 REVERSE = 0x01
 TIME_BASED = 0x04
 TORQUE_ON_BY_GOAL = 0x08
 """Bits of Drive Mode."""
 
-_MILLI = 1e-3
+MILLI = 1e-3
+
+_FULL_TORQUE = 1023  # Max Torque and Torque Limit of servos without PWM registers
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,7 +24,7 @@ class ServoScale:
     velocity: float
     """A step of velocity, ticks/s."""
     acceleration: float
-    """A step of Profile Acceleration, ticks/s2."""
+    """A step of Profile Acceleration, ticks/s2; 0 if the model has none."""
     current: float
     """A step of current, A; 0 if the model has none."""
     full_pwm: int
@@ -36,60 +35,24 @@ class ServoScale:
         """Give the scale of a model.
 
         Raises:
-            ValueError: If it is not a Protocol 2.0 servo with operating modes and known units.
+            ValueError: If the unit of a register is not known.
         """
-        table = model.table
-        full_pwm = table["PWM Limit"].maximum if "PWM Limit" in table else None
-        if 2 not in model.protocols or not model.stall or not isinstance(full_pwm, int):
-            raise ValueError(f"servo model {model.name} cannot be simulated")
         per_turn = model.pulses_per_rad * tau
+        if "PWM Limit" not in model.table:
+            return cls(
+                per_rad=model.pulses_per_rad,
+                velocity=_step(model, "Moving Speed") / 60.0 * per_turn,
+                acceleration=0.0,
+                current=0.0,
+                full_pwm=_FULL_TORQUE,
+            )
         return cls(
             per_rad=model.pulses_per_rad,
             velocity=_step(model, "Goal Velocity") / 60.0 * per_turn,
             acceleration=_step(model, "Profile Acceleration") / 3600.0 * per_turn,
-            current=_step(model, "Goal Current") * _MILLI if model.has_current else 0.0,
-            full_pwm=full_pwm,
+            current=_step(model, "Goal Current") * MILLI if model.has_current else 0.0,
+            full_pwm=_full_pwm(model),
         )
-
-
-def law_settings(memory: TableMemory, scale: ServoScale) -> LawSettings:
-    """Give what the registers say about the control loop."""
-    mode = memory["Operating Mode"]
-    time_based = bool(memory["Drive Mode"] & TIME_BASED)
-    pwm = memory["PWM Limit"]
-    if mode != Mode.PWM:
-        pwm = min(pwm, abs(memory["Goal PWM"]))
-    top_velocity, acceleration = _profile(memory, scale, time_based=time_based)
-    return LawSettings(
-        mode=mode,
-        p=memory["Position P Gain"] / 128.0,
-        i=memory["Position I Gain"] / 65536.0,
-        d=memory["Position D Gain"] / 16.0,
-        ff1=memory["Feedforward 1st Gain"] / 4.0,
-        ff2=memory["Feedforward 2nd Gain"] / 4.0,
-        vp=memory["Velocity P Gain"] / 128.0,
-        vi=memory["Velocity I Gain"] / 65536.0,
-        velocity_unit=scale.velocity,
-        full_pwm=float(scale.full_pwm),
-        duty_limit=pwm / scale.full_pwm,
-        current_limit=_current_limit(memory, scale) if mode == Mode.CURRENT_POSITION else inf,
-        top_velocity=top_velocity,
-        acceleration=acceleration,
-        time_based=time_based,
-    )
-
-
-def _current_limit(memory: TableMemory, scale: ServoScale) -> float:
-    return scale.current * min(memory["Current Limit"], abs(memory["Goal Current"]))
-
-
-def _profile(memory: TableMemory, scale: ServoScale, *, time_based: bool) -> tuple[float, float]:
-    """Give top velocity and acceleration, or total time and time of a ramp."""
-    velocity, acceleration = memory["Profile Velocity"], memory["Profile Acceleration"]
-    if time_based:
-        return velocity * _MILLI, acceleration * _MILLI
-    velocity = min(velocity, memory["Velocity Limit"])
-    return velocity * scale.velocity, acceleration * scale.acceleration
 
 
 def _step(model: ServoModel, register: str) -> float:
@@ -98,3 +61,9 @@ def _step(model: ServoModel, register: str) -> float:
     if step is None:
         raise ValueError(f"servo model {model.name}: the unit of {register} is not known")
     return step
+
+
+def _full_pwm(model: ServoModel) -> int:
+    """Give the steps of PWM to the full duty: the highest PWM Limit."""
+    limit = model.table["PWM Limit"]
+    return limit.maximum if isinstance(limit.maximum, int) else limit.span[1]

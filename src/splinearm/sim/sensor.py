@@ -27,8 +27,13 @@ class Sensed(Protocol):
     law: ServoLaw
     torque_on: bool
     duty: float
-    voltage: float
     temperature: float
+    current_offset: float
+
+    @property
+    def voltage(self) -> float:
+        """Its supply, V."""
+        ...
 
     @property
     def uptime(self) -> float:
@@ -71,7 +76,8 @@ def _moving_status(servo: Sensed) -> float:
 def _present_current(servo: Sensed) -> float:
     """Give the motor's current; an XL330 measures at its supply, so by the share of the duty."""
     at_supply = abs(servo.duty) if servo.model.name.startswith("XL330") else 1.0
-    return servo.motor_current * at_supply / servo.scale.current
+    current = servo.motor_current * at_supply + servo.current_offset
+    return current / servo.scale.current
 
 
 def _present_load(servo: Sensed) -> float:

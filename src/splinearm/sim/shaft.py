@@ -16,7 +16,10 @@ class Shaft:
     speed: float = 0.0
     """How fast it turns, rad/s."""
     duty: float | None = None
-    """What the servo gives its motor, -1..1; None: the motor is cut off and turns freely."""
+    """What the servo gives its motor, as a share of the nominal supply; None: the motor is cut off
+    and turns freely."""
+    stuck: bool = False
+    """Whether something holds it fast."""
 
 
 class Plant(Protocol):

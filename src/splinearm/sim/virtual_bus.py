@@ -1,47 +1,50 @@
 """The servos of an arm on a port of their own, for any program that speaks to servos.
 
-The port is a pseudo terminal that speaks Protocol 2.0 byte for byte. A thread serves it: at every
-packet, and now and then without one, the arm is brought up to the time of the wall clock.
+The port is a pseudo terminal, which every program can open, or a unix socket, which is quicker and
+steadier. It speaks both protocols byte for byte. A thread serves it: at every packet, and now and
+then without one, the arm is brought up to the time of the wall clock.
 """
 
-import ctypes
-import sys
+import contextlib
+import os
+import socket
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from statistics import median
 from types import TracebackType
-from typing import Self
+from typing import Self, Unpack
 
 import numpy as np
 
 from splinearm.arrays import ArrayInput, FloatArray, frozen_array
 from splinearm.drivers.chain import ServoChain
-from splinearm.drivers.packets import Decoder, Instruction, Packet, stuff
+from splinearm.drivers.packets import Instruction
 from splinearm.kinematics.arm import Arm
 
-from .line import Line
+from .bus_option import BusOptions, Wiring
+from .ear import Heard
+from .habit import LineHabits
+from .line import Line, speak_protocol_1
+from .line_fault import LineFault, LineFaults
 from .motor import motor_of, require_turning
+from .no_port import NoPort
 from .plant import ArmPlant, Drive, FreePlant
 from .pty_port import PtyPort
 from .rig import Rig
-from .shaft import Plant, Shaft
+from .server import LineServer, Port
+from .shaft import TIMESTEP, Plant, Shaft
+from .socket_port import SocketPort
 from .virtual_servo import VirtualServo
-
-BITS_PER_BYTE = 10
-"""Start bit, eight bits, stop bit."""
-
-PACKET_GAP = 1.5e-3
-"""A pause of that length within a packet ends it, s."""
+from .voice import Reply
 
 MAX_BACKLOG = 0.05
 """How much of the wall clock's time is made up for at once, s. A computer that cannot step the arm
 as fast as time goes by would fall behind further and further, and answer nobody meanwhile: there
 the arm lives more slowly."""
 
-_PR_SET_TIMERSLACK = 29
-_TIMER_SLACK_NS = 1000
-_FRAME_BYTES = 9  # header, id, length, CRC
-_IDLE = 0.01
+_IDLE = 2.0 * TIMESTEP
 _ASLEEP = 0.5
 _HARMLESS = frozenset(
     (
@@ -57,7 +60,7 @@ _HARMLESS = frozenset(
 
 
 class VirtualBus:
-    """Every servo of a chain, set up as the arm's file says, on a pseudo terminal.
+    """Every servo of a chain, set up as the arm's file says, on a port of their own.
 
     Joints move in MuJoCo; servos that belong to no joint turn freely. With ``wire_time`` requests
     and replies take their time at the client's baud rate, and servos keep their Return Delay Time.
@@ -71,9 +74,9 @@ class VirtualBus:
         chain: ServoChain,
         q_start: ArrayInput | None = None,
         *,
-        wire_time: bool = True,
         held: bool = True,
         clock: Callable[[], float] = time.monotonic,
+        **options: Unpack[BusOptions],
     ) -> None:
         """Build the servos; the port opens with the with-block.
 
@@ -82,14 +85,15 @@ class VirtualBus:
             chain: The servos. A servo whose zero is left to calibration is mounted at its centre.
             q_start: Where the arm stands, shape (n,), rad; None: joint zero, or the nearest within
                 the limits.
-            wire_time: Whether bytes take time.
             held: Whether a hand holds the arm where it stands until a servo's torque comes on;
                 else it falls at once.
             clock: Gives the time, s.
+            options: The fields of ``Wiring``: ``transport``, ``wire_time``, ``usb_latency``,
+                ``realtime``, ``habits``, ``seed``, ``link``.
 
         Raises:
             ValueError: If a joint has no servo or slides, a servo has no such joint, or its model
-                or protocol cannot be simulated.
+                cannot be simulated.
             LimitError: If ``q_start`` is outside the limits.
         """
         if q_start is None:
@@ -97,24 +101,31 @@ class VirtualBus:
         start = frozen_array(q_start, (arm.n,), "q_start")
         arm.limits.check(start)
         chain.leaders_of(arm.joint_names)
+        self._wiring = Wiring(**options)
+        self._baud = chain.baud
         self._plant, self._rig, self._line = _build(arm, chain, start, held=held)
-        self._wire_time = wire_time
+        self._line.habits = self._wiring.habits
         self._clock = clock
         self._begun = clock()
-        self._decoder = Decoder()
-        self._wire_free = 0.0
-        self._port: PtyPort | None = None
-        self._thread: threading.Thread | None = None
-        self._closing = False
+        self._server = LineServer(
+            self._line,
+            self._obey,
+            self._idle,
+            wire_time=self._wiring.wire_time,
+            usb_latency=self._wiring.usb_latency,
+        )
+        self._port: Port | None = None
+        self._spare: Port | None = None
         self.lock = threading.Lock()
         """Held while servos live on or obey."""
+        self.faults = ()
 
     @property
     def port(self) -> str:
-        """What a client opens.
+        """What a client opens: a device, or ``unix:`` and the path of a socket.
 
         Raises:
-            RuntimeError: Outside the with-block.
+            RuntimeError: Outside the with-block, or while it is unplugged.
         """
         if self._port is None:
             raise RuntimeError("the virtual bus has a port only within its with-block")
@@ -122,8 +133,13 @@ class VirtualBus:
 
     @property
     def servos(self) -> dict[int, VirtualServo]:
-        """The servos by id."""
+        """The servos by id; of two with one id the last."""
         return {servo.servo_id: servo for servo in self._line.servos}
+
+    @property
+    def all_servos(self) -> tuple[VirtualServo, ...]:
+        """The servos in the order of the chain, whatever their ids are now."""
+        return self._line.servos
 
     @property
     def silent(self) -> bool:
@@ -135,17 +151,92 @@ class VirtualBus:
         self._line.silent = value
 
     @property
+    def faults(self) -> tuple[LineFault, ...]:
+        """What goes wrong on the line; set anew, at any time and from any thread, as a whole."""
+        return self._line.faults.faults
+
+    @faults.setter
+    def faults(self, faults: Sequence[LineFault]) -> None:
+        self._line.faults = LineFaults(faults, clock=self._now, seed=self._wiring.seed)
+
+    @property
+    def habits(self) -> LineHabits:
+        """What servos do where the manual is silent; may be set anew at any time."""
+        return self._line.habits
+
+    @habits.setter
+    def habits(self, habits: LineHabits) -> None:
+        self._line.habits = habits
+
+    @property
+    def refused(self) -> tuple[str, ...]:
+        """What the system refused of ``realtime``, in words; empty: nothing."""
+        return self._server.refused
+
+    @property
+    def lateness(self) -> tuple[float, float]:
+        """How late replies were of late: median and worst, s; 0 if there were none."""
+        late = list(self._server.lateness)
+        return (median(late), max(late)) if late else (0.0, 0.0)
+
+    @property
+    def rig(self) -> Rig:
+        """Servos and what they turn, in one time; hold ``lock`` while touching it."""
+        return self._rig
+
+    @property
+    def plant(self) -> ArmPlant:
+        """The arm; hold ``lock`` while touching it, and wake the ``rig`` afterwards."""
+        return self._plant
+
+    @property
     def q(self) -> FloatArray:
         """Where the joints are, shape (n,), rad."""
         with self.lock:
             return self._plant.q
 
+    def connect(self) -> socket.socket:
+        """Give the client's end of a socket pair, to be served once the last client has left.
+
+        Raises:
+            RuntimeError: If the bus has no socket now.
+        """
+        if not isinstance(self._port, SocketPort):
+            raise RuntimeError(  # noqa: TRY004 - of the bus, not of an argument
+                "only a bus with transport='socket' gives sockets away, and only while it is open"
+            )
+        return self._port.connect()
+
+    def unplug(self) -> None:
+        """Let the port vanish, as if its cable was pulled out; servos live on.
+
+        Raises:
+            RuntimeError: If it has no port now.
+        """
+        if self._port is None or self._spare is not None:
+            raise RuntimeError("the virtual bus has no port that could be unplugged")
+        self._spare = self._new_port()  # opened before the old one closes, it has another name
+        self._server.stop()
+        self._unlink()
+        self._port = NoPort()
+        self._server.start(self._port)
+
+    def plug_in(self) -> str:
+        """Let the port come back, under another name; give the name.
+
+        Raises:
+            RuntimeError: If it is not unplugged.
+        """
+        if self._spare is None:
+            raise RuntimeError("the virtual bus is not unplugged")
+        self._server.stop()
+        port, self._spare = self._spare, None
+        self._open(port)
+        return self.port
+
     def __enter__(self) -> Self:
         """Open the port and begin to serve it."""
-        self._port = PtyPort()
-        self._closing = False
-        self._thread = threading.Thread(target=self._serve, name="virtual bus", daemon=True)
-        self._thread.start()
+        self._open(self._new_port())
         return self
 
     def __exit__(
@@ -155,19 +246,33 @@ class VirtualBus:
         trace: TracebackType | None,
     ) -> None:
         """Stop serving and close the port."""
-        port, thread = self._port, self._thread
-        if port is None or thread is None:
-            return
-        self._closing = True
-        port.wake()
-        thread.join()
-        self._port = self._thread = None
-        port.close()
+        self._server.stop()
+        self._unlink()
+        self._port = None
+        if self._spare is not None:
+            self._spare.close()
+            self._spare = None
 
     def advance(self) -> None:
         """Bring the servos up to the present; they do so by themselves while they are served."""
         with self.lock:
             self._catch_up()
+
+    def _new_port(self) -> Port:
+        return SocketPort(self._baud) if self._wiring.transport == "socket" else PtyPort()
+
+    def _open(self, port: Port) -> None:
+        self._port = port
+        link = self._wiring.link
+        if link is not None:
+            _link(link, port.name)
+        self._server.start(port, realtime=self._wiring.realtime)
+
+    def _unlink(self) -> None:
+        link = self._wiring.link
+        if link is not None:
+            with contextlib.suppress(FileNotFoundError):
+                link.unlink()
 
     def _catch_up(self) -> None:
         now = self._now()
@@ -178,56 +283,28 @@ class VirtualBus:
     def _now(self) -> float:
         return self._clock() - self._begun
 
-    def _serve(self) -> None:
-        """Serve until the with-block ends."""
-        port = self._port
-        assert port is not None  # noqa: S101 - the thread is started after the port
-        _sleep_sharply()
-        while not self._closing:
-            data = port.read(self._patience())
-            arrived = self._now()
-            if not data:
-                self._decoder.reset()
-                self.advance()
-                continue
-            for packet in self._decoder.feed(data):
-                self._obey(packet, port, arrived)
-
-    def _patience(self) -> float:
-        """Give for how long to wait for bytes."""
-        if self._decoder.pending:
-            return PACKET_GAP
+    def _idle(self) -> float:
+        """Bring the servos up to the present; say for how long they can be left alone, s."""
+        self.advance()
         return _ASLEEP if self._rig.asleep else _IDLE
 
-    def _obey(self, packet: Packet, port: PtyPort, arrived: float) -> None:
-        """Let the servos obey a packet and send what comes back."""
-        baud = port.baud
-        byte_time = BITS_PER_BYTE / baud if self._wire_time and baud else 0.0
-        length = _FRAME_BYTES + len(stuff(bytes((packet.instruction,)) + packet.params))
-        # the request has been on the wire since it arrived, or since the wire was free
-        due = max(arrived, self._wire_free) + length * byte_time
+    def _obey(self, heard: Heard, baud: int) -> list[Reply]:
+        """Let the servos obey what was heard; give what comes back."""
         with self.lock:
             self._catch_up()
-            replies = self._line.answer(packet, baud)
-            if packet.instruction not in _HARMLESS:
+            replies = self._line.answer(heard.packet, baud, heard.protocol, damaged=heard.damaged)
+            if heard.packet.instruction not in _HARMLESS:
                 self._rig.wake()
-        for data, delay in replies:
-            if self._wire_time:
-                due += delay + len(data) * byte_time
-                self._wait_until(due)
-            port.write(data)
-        self._wire_free = due
-
-    def _wait_until(self, t: float) -> None:
-        delay = t - self._now()
-        if delay > 0.0:
-            time.sleep(delay)
+        return replies
 
 
-def _sleep_sharply() -> None:
-    """Let this thread's sleeps end on time; unless told so Linux lets them end 50 us late."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_PR_SET_TIMERSLACK, _TIMER_SLACK_NS, 0, 0, 0)
+def _link(link: Path, name: str) -> None:
+    """Let a symbolic link lead to a port, in place of what it led to."""
+    fresh = link.with_name(f"{link.name}.{os.getpid()}")
+    with contextlib.suppress(FileNotFoundError):
+        fresh.unlink()
+    fresh.symlink_to(name.removeprefix("unix:"))
+    fresh.replace(link)
 
 
 def _build(
@@ -235,8 +312,6 @@ def _build(
 ) -> tuple[ArmPlant, Rig, Line]:
     """Give the plant, the rig and the line of a chain."""
     require_turning(arm)
-    if chain.protocol != 2.0:
-        raise ValueError(f"chain: want servos of protocol 2.0, got {chain.protocol}")
     drives: list[Drive] = []
     free: list[Plant] = []
     servos: list[VirtualServo] = []
@@ -249,6 +324,9 @@ def _build(
             drives.append(Drive(spec.joint, motor, shaft))
         else:
             raise ValueError(f"servo {spec.name!r}: arm {arm.name!r} has no joint {spec.joint!r}")
-        servos.append(VirtualServo.of(spec, chain.baud, shaft))
+        servo = VirtualServo.of(spec, chain.baud, shaft)
+        if chain.protocol == 1.0:
+            speak_protocol_1(servo)
+        servos.append(servo)
     plant = ArmPlant(arm, drives, q_start)
     return plant, Rig(servos, [plant, *free], held=held), Line(servos)

@@ -12,21 +12,21 @@ from splinearm.drivers.chain import ServoSpec
 from splinearm.drivers.model import ServoModel
 from splinearm.drivers.registers import Area
 
-from .core import CENTRE_TICKS, GAINS, ServoCore
+from .alarm import ALERT, error_byte_v1
+from .choice import BOOT_TIME as BOOT_TIME
+from .choice import DEFAULT_CHOICES, Choices
+from .fault import FaultyServo
+from .firmware import FIRMWARE as FIRMWARE
+from .firmware import knows_clear, newest_firmware
 from .memory import AddressError, Change, LengthError
 from .rule import Refusal, refusal
 from .shaft import Shaft
+from .wide_controls import GAINS
 
-FIRMWARE = 53
-"""Firmware version that virtual servos report; with it every model has all its registers."""
-
-BOOT_TIME = 0.2
-"""How long a servo is deaf after a reboot, s. An estimate; users wait for 0.3 s."""
-
-_CLEAR_FIRMWARE = 42
 _CLEAR_TURNS = b"\x01\x44\x58\x4c\x22"
 _BACKUP, _RESTORE = b"\x01CTRL", b"\x02CTRL"
 _RAM_RESTORE = 0x02
+_NO_ID = 255
 
 
 class FactoryReset(IntEnum):
@@ -44,7 +44,7 @@ _SPARED = {
 }
 
 
-class VirtualServo(ServoCore):
+class VirtualServo(FaultyServo):
     """One servo on a bus. Methods that answer an instruction give its error number."""
 
     def __init__(
@@ -52,27 +52,31 @@ class VirtualServo(ServoCore):
         model: ServoModel,
         *,
         settings: Mapping[str, int] | None = None,
-        zero_ticks: int = CENTRE_TICKS,
+        zero_ticks: int | None = None,
         shaft: Shaft | None = None,
-        firmware: int = FIRMWARE,
+        firmware: int | None = None,
+        choices: Choices = DEFAULT_CHOICES,
     ) -> None:
         """Switch a servo on.
 
         Args:
             model: Its model.
             settings: Raw values of registers that differ from the factory's; see ``ServoCore``.
-            zero_ticks: Its position at joint zero.
+            zero_ticks: Its position at joint zero; None: mid travel.
             shaft: Its output shaft; None: one of its own.
-            firmware: Its firmware version.
+            firmware: Its firmware version; None: one that has all that is known of the model.
+            choices: How it does what its manual leaves open.
 
         Raises:
             ValueError: If such a model cannot be simulated or a value does not fit.
         """
+        version = newest_firmware(model) if firmware is None else firmware
         super().__init__(
             model,
-            settings={"Firmware Version": firmware, **(settings or {})},
+            settings={"Firmware Version": version, **(settings or {})},
             zero_ticks=zero_ticks,
             shaft=Shaft() if shaft is None else shaft,
+            choices=choices,
         )
         self.unplugged = False
         """Whether its data cable is out: it neither hears nor answers."""
@@ -82,7 +86,7 @@ class VirtualServo(ServoCore):
         """How many of its next answers are damaged on their way."""
         self._registered: tuple[int, bytes, bool] | None = None
         self._backup: dict[str, int] = {}
-        self._deaf_until = self.now
+        self._beyond_angle = False
 
     @classmethod
     def of(cls, spec: ServoSpec, baud: int, shaft: Shaft) -> "VirtualServo":
@@ -93,8 +97,7 @@ class VirtualServo(ServoCore):
         """
         model = spec.servo_model
         settings = {"ID": spec.servo_id, "Baud Rate": model.baud_code(baud), **spec.settings}
-        zero = CENTRE_TICKS if spec.zero_ticks is None else spec.zero_ticks
-        return cls(model, settings=settings, zero_ticks=zero, shaft=shaft)
+        return cls(model, settings=settings, zero_ticks=spec.zero_ticks, shaft=shaft)
 
     @property
     def servo_id(self) -> int:
@@ -104,12 +107,20 @@ class VirtualServo(ServoCore):
     @property
     def secondary_id(self) -> int:
         """The id whose instructions it follows in silence; above 252: none."""
-        return self.memory["Secondary(Shadow) ID"]
+        return self.memory.get("Secondary(Shadow) ID", _NO_ID)
 
     @property
     def baud(self) -> int:
         """Its baud rate."""
-        return self.model.baud_codes[self.memory["Baud Rate"]]
+        code = self.memory["Baud Rate"]
+        known = self.model.baud_codes.get(code)
+        # an AX-12A takes any code; its manual names the rates of some and this rule
+        return round(2_000_000 / (code + 1)) if known is None else known
+
+    @property
+    def protocol(self) -> int:
+        """The protocol that it speaks: 1 or 2."""
+        return self.memory.get("Protocol Type", self.model.protocols[0])
 
     @property
     def firmware(self) -> int:
@@ -126,8 +137,14 @@ class VirtualServo(ServoCore):
         return not self.unplugged and baud == self.baud and self.now >= self._deaf_until
 
     def error_byte(self, number: int) -> int:
-        """Give the error byte of a status packet: a number, and whether a fault is latched."""
-        return number | (0x80 if self.memory["Hardware Error Status"] else 0)
+        """Give the error byte of a status packet of Protocol 2.0: a number, and the alert."""
+        return number | (ALERT if self.alarms else 0)
+
+    def error_byte_v1(self, number: int) -> int:
+        """Give the error byte of a status packet of Protocol 1.0: faults, and why it refused."""
+        if number == Refusal.DATA_LIMIT and not self._beyond_angle:
+            number = Refusal.DATA_RANGE
+        return error_byte_v1(self.model, self.alarms, number)
 
     def ping(self) -> bytes:
         """Give what it answers to a ping: model number and firmware."""
@@ -135,13 +152,13 @@ class VirtualServo(ServoCore):
 
     def read(self, address: int, length: int) -> tuple[int, bytes]:
         """Give an error number and the bytes at an address."""
-        end = address + length
-        direct = self.memory.is_direct(address, length)
-        for register, measure in self.measured:
-            if not direct or (register.address < end and register.end > address):
-                self.memory.show(register.name, measure(self))
+        memory, measured = self.memory, self.controls.measured
         try:
-            return Refusal.NONE, self.memory.read(address, length)
+            for name in memory.names_in(address, length):
+                measure = measured.get(name)
+                if measure is not None:
+                    memory.show(name, measure(self))
+            return Refusal.NONE, memory.read(address, length)
         except AddressError:
             return Refusal.ACCESS, b""
 
@@ -163,7 +180,7 @@ class VirtualServo(ServoCore):
         number, _ = self._admit(address, data, shadowing=shadowing)
         if number == Refusal.NONE:
             self._registered = (address, data, shadowing)
-            self.memory["Registered Instruction"] = 1
+            self._show_registered()
         return number
 
     def action(self) -> int:
@@ -172,13 +189,14 @@ class VirtualServo(ServoCore):
             return Refusal.INSTRUCTION
         address, data, shadowing = self._registered
         self._registered = None
-        self.memory["Registered Instruction"] = 0
+        self._show_registered()
         return self.write(address, data, shadowing=shadowing)
 
     def reboot(self) -> int:
-        """Begin anew, as after a loss of power."""
-        restore = self.memory.get("Startup Configuration") & _RAM_RESTORE
-        self._begin_anew(self._backup if restore else {})
+        """Begin anew, as after a loss of power; servos of Protocol 1.0 alone do not know that."""
+        if 2 not in self.model.protocols:
+            return Refusal.INSTRUCTION
+        self.begin_anew(self._restored(), "reboot")
         return Refusal.NONE
 
     def factory_reset(self, option: int, *, broadcast: bool = False) -> int:
@@ -192,11 +210,28 @@ class VirtualServo(ServoCore):
         self.memory.reset(self.memory.of(Area.EEPROM))
         for name, value in kept.items():
             self.memory[name] = value
-        return self.reboot()
+        self.begin_anew(self._restored(), "factory reset")
+        return Refusal.NONE
+
+    def power_cycle(self, off_for: float = 0.0) -> None:
+        """Lose the power and have it again after a time, s; what a backup restores comes back."""
+        self.begin_anew(self._restored(), "loss of power", off_for)
+
+    def begin_anew(self, kept: dict[str, int], cause: str, off_for: float = 0.0) -> None:
+        """Start as after a loss of power, with some registers kept; it is deaf for a while."""
+        self._registered = None
+        super().begin_anew(kept, cause, off_for)
+        if "Backup Ready" in self.memory:
+            self.memory["Backup Ready"] = int(bool(self._backup))
+
+    def swap(self, slipped: float = 0.0) -> None:
+        """Put a new servo of that model in its place; see ``FaultyServo``."""
+        self._backup = {}
+        super().swap(slipped)
 
     def clear(self, params: bytes) -> int:
         """Forget whole turns, if it stands still."""
-        if self.firmware < _CLEAR_FIRMWARE:
+        if not knows_clear(self.model, self.firmware):
             return Refusal.INSTRUCTION
         if params != _CLEAR_TURNS:
             return Refusal.DATA_RANGE
@@ -219,7 +254,7 @@ class VirtualServo(ServoCore):
         else:
             for name, value in self._backup.items():
                 self.memory[name] = value
-            self._begin_anew(self._backup)
+            self.begin_anew(self._backup, "restored backup")
         return Refusal.NONE
 
     def _admit(self, address: int, data: bytes, *, shadowing: bool) -> tuple[Refusal, list[Change]]:
@@ -232,16 +267,19 @@ class VirtualServo(ServoCore):
             return Refusal.ACCESS, []
         if self.shut_down and any(r.name == "Torque Enable" and on for r, on in changes):
             return Refusal.ACCESS, []
-        unlocked = not self.torque_on and not shadowing
+        self._beyond_angle = any(register.name == "Goal Position" for register, _ in changes)
+        unlocked = not (self.torque_on or shadowing or self.controls.eeprom_locked)
         return refusal(self.memory, self.model, changes, may_write_eeprom=unlocked), changes
 
-    def _begin_anew(self, kept: Mapping[str, int]) -> None:
-        """Reboot with some registers kept; the servo is deaf for a while."""
-        self._registered = None
-        self._power_on({name: value for name, value in kept.items() if name in self.memory})
-        if "Backup Ready" in self.memory:
-            self.memory["Backup Ready"] = int(bool(self._backup))
-        self._deaf_until = self.now + BOOT_TIME
+    def _restored(self) -> dict[str, int]:
+        """Give the registers that come back by themselves at the start."""
+        return self._backup if self.memory.get("Startup Configuration") & _RAM_RESTORE else {}
+
+    def _show_registered(self) -> None:
+        """Say whether a write is kept for the next action."""
+        for name in ("Registered Instruction", "Registered"):
+            if name in self.memory:
+                self.memory[name] = int(self._registered is not None)
 
     def _backed_up(self) -> list[str]:
         """Give the registers that a backup covers."""
