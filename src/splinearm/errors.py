@@ -22,6 +22,7 @@ servos do is one of these; each keeps its facts as fields in SI and speaks in th
     ├── BusError
     │   ├── PortError             the serial port cannot be used
     │   ├── BusTimeoutError       a servo does not answer (also a ``TimeoutError``)
+    │   ├── SilentBusError        no servo answers (also a ``TimeoutError``)
     │   ├── PacketError           bytes came that were not the awaited ones
     │   └── ServoError            a servo refused, reported a fault or is not as the file says
     │       └── HealthError       a servo is too hot, badly fed or overloaded to go on
@@ -332,6 +333,17 @@ class BusTimeoutError(BusError, TimeoutError):
         super().__init__(
             f"{servo} does not answer{asked}{where}; check its power, its cable and its id, "
             "and the baud rate"
+        )
+
+
+class SilentBusError(BusError, TimeoutError):
+    """No servo answers."""
+
+    def __init__(self, port: str) -> None:
+        self.port = port
+        super().__init__(
+            f"no servo answers on {port}; check the servos' supply, the cable from the adapter to "
+            "the first of them, and the baud rate"
         )
 
 

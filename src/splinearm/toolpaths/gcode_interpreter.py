@@ -120,7 +120,6 @@ class Interpreter:
             mode = line.g["feed mode"] // 10
             if mode != modes.feed_mode:
                 modes.feed_mode, modes.feed = mode, 0.0
-        modes.unit = _UNITS.get(line.g.get("unit", 0), modes.unit)
         yield from self._feed(line)
         yield from self._spindle_and_tools(line)
         yield from self._switches(line)
@@ -193,6 +192,7 @@ class Interpreter:
     def _modes(self, line: Line) -> None:
         """Put in force what holds from here on."""
         state, modes = self.state, self.state.modes
+        modes.unit = _UNITS.get(line.g.get("unit", 0), modes.unit)
         if "plane" in line.g:
             modes.axis = _PLANES[line.g["plane"]]
         if "compensation" in line.g:

@@ -1,0 +1,237 @@
+"""Where pieces meet, snapped to shared nodes, and what of them is no nearer to the part than d.
+
+All lengths are in units of the part, like in ``offset_kernel``.
+"""
+
+import math
+
+import numpy as np
+
+from splinearm.arrays import FloatArray
+from splinearm.compiled import fast_kernel
+
+from .arc_kernel import at_share, box_of, circles_meet, distance, share
+from .tree_kernel import RUN, nearest, overlapping, tree_of
+
+SNAP = 1e-11
+"""Points nearer to each other than this are one."""
+_BESIDE = 0.3 * SNAP
+"""How far beyond its ends a piece still meets others: less than what is snapped to its end."""
+SURE = 2e-13
+"""What is nearer to the part than d by no more than this is as near as rounding tells."""
+SPARE = 1e-10
+"""What is nearer by no more than this may close a gap that rounding left."""
+
+EDGE = 6
+"""Columns of an edge: from, to, piece, first share, last share, rank (2 sure, 1 spare)."""
+
+
+@fast_kernel
+def meetings(S: FloatArray) -> tuple[FloatArray, int]:
+    """Give where pieces meet: rows (x, y, piece, other piece), and how many there are."""
+    n = S.shape[0]
+    T = tree_of(S, n, SNAP)
+    runs = np.empty(T.shape[0] + 128)
+    H = np.empty((8 * n + 64, 4))
+    m = 0
+    for i in range(n):
+        box = box_of(S, i)
+        count = overlapping(T, box, i + 1, runs)
+        for k in range(count):
+            first = int(runs[k]) * RUN
+            for j in range(max(first, i + 1), min(n, first + RUN)):
+                other = box_of(S, j)
+                if (
+                    other[0] > box[2] + SNAP
+                    or other[2] < box[0] - SNAP
+                    or other[1] > box[3] + SNAP
+                    or other[3] < box[1] - SNAP
+                ):
+                    continue
+                if m + 6 > H.shape[0]:
+                    wider = np.empty((2 * H.shape[0], 4))
+                    for q in range(m):
+                        for c in range(4):
+                            wider[q, c] = H[q, c]
+                    H = wider
+                m = _meet(S, i, j, H, m)
+    return H, m
+
+
+@fast_kernel
+def _meet(S: FloatArray, i: int, j: int, H: FloatArray, m: int) -> int:
+    """Write where two pieces meet, and ends that lie on the other piece."""
+    found, ux, uy, vx, vy = circles_meet(S, i, S, j)
+    for k in range(found):
+        x, y = (ux, uy) if k == 0 else (vx, vy)
+        if _beside(S, i, x, y) and _beside(S, j, x, y):
+            H[m, 0], H[m, 1], H[m, 2], H[m, 3] = x, y, i, j
+            m += 1
+    for c in (0, 2):
+        for on, of in ((i, j), (j, i)):
+            x, y = S[of, c], S[of, c + 1]
+            if distance(S, on, x, y) <= SNAP:
+                H[m, 0], H[m, 1], H[m, 2], H[m, 3] = x, y, i, j
+                m += 1
+    return m
+
+
+@fast_kernel
+def _beside(S: FloatArray, i: int, x: float, y: float) -> bool:
+    """Say whether a point of the circle of a piece is on the piece itself."""
+    qx, qy = x - S[i, 0], y - S[i, 1]
+    rx, ry = x - S[i, 2], y - S[i, 3]
+    ahead: float = qx * S[i, 6] - qy * S[i, 5]
+    behind: float = rx * S[i, 8] - ry * S[i, 7]
+    return ahead >= -_BESIDE and behind <= _BESIDE
+
+
+@fast_kernel
+def _root(parent: FloatArray, i: int) -> int:
+    """Give the first of the points that are one with a point."""
+    while parent[i] != i:
+        parent[i] = parent[int(parent[i])]
+        i = int(parent[i])
+    return i
+
+
+@fast_kernel
+def _snapped(X: FloatArray) -> FloatArray:
+    """Give for each point the one that stands for all that are nearer to each other than SNAP."""
+    n = X.shape[0]
+    size = 64
+    while size < 2 * n:
+        size *= 2
+    head, after = np.full(size, -1, np.int64), np.empty(n, np.int64)
+    parent = np.empty(n)
+    for i in range(n):
+        parent[i] = i
+        # a cell is twice as wide as what is snapped: at most four of them are near
+        fx, fy = X[i, 0] / (2.0 * SNAP), X[i, 1] / (2.0 * SNAP)
+        cx, cy = math.floor(fx), math.floor(fy)
+        sx, sy = 1.0 if fx - cx > 0.5 else -1.0, 1.0 if fy - cy > 0.5 else -1.0
+        for k in range(4):
+            slot = _slot(cx + sx * (k % 2), cy + sy * (k // 2), size)
+            j = head[slot]
+            while j >= 0:
+                if (X[j, 0] - X[i, 0]) ** 2 + (X[j, 1] - X[i, 1]) ** 2 <= SNAP * SNAP:
+                    a, b = _root(parent, i), _root(parent, j)
+                    parent[max(a, b)] = min(a, b)
+                j = after[j]
+        slot = _slot(cx, cy, size)
+        after[i] = head[slot]
+        head[slot] = i
+    for i in range(n):
+        parent[i] = _root(parent, i)
+    return parent
+
+
+@fast_kernel
+def _slot(cx: float, cy: float, size: int) -> int:
+    """Give the place of a cell in a table whose size is a power of two."""
+    mixed = np.int64(cx) * 73856093 ^ np.int64(cy) * 19349663
+    slot: int = (mixed ^ (mixed >> 17)) & (size - 1)  # type: ignore[assignment]
+    return slot
+
+
+@fast_kernel
+def edges_of(
+    S: FloatArray, P: FloatArray, T: FloatArray, d: float, C: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Give what is no nearer to the part than d, and in no corner, from node to node.
+
+    Args:
+        S: Pieces moved by d.
+        P: Pieces of the part.
+        T: Their tree.
+        d: How far they were moved.
+        C: Corners that reach farther than d, as `corners_of` gives them.
+
+    Returns:
+        Edges, shape (m, 6), see `EDGE`, and the nodes, shape (k, 2).
+    """
+    n = S.shape[0]
+    H, hits = meetings(S)
+    X = np.empty((hits + 2 * n, 2))
+    at = np.zeros(n + 1, np.int64)
+    for h in range(hits):
+        X[h, 0], X[h, 1] = H[h, 0], H[h, 1]
+        at[int(H[h, 2]) + 1] += 1
+        at[int(H[h, 3]) + 1] += 1
+    for i in range(n):
+        for c in range(2):
+            X[hits + 2 * i + c, 0], X[hits + 2 * i + c, 1] = S[i, 2 * c], S[i, 2 * c + 1]
+        at[i + 1] += at[i] + 2
+    node = _snapped(X)
+    # shares and nodes along each piece, sorted
+    U, N = np.empty(2 * hits + 2 * n), np.empty(2 * hits + 2 * n, np.int64)
+    fill = np.empty(n, np.int64)
+    for i in range(n):
+        U[at[i]], N[at[i]] = 0.0, int(node[hits + 2 * i])
+        U[at[i] + 1], N[at[i] + 1] = 1.0, int(node[hits + 2 * i + 1])
+        fill[i] = at[i] + 2
+    for h in range(hits):
+        for c in (2, 3):
+            i = int(H[h, c])
+            u = min(1.0, max(0.0, share(S, i, X[h, 0], X[h, 1])))
+            k = fill[i]
+            fill[i] += 1
+            while k > at[i] and U[k - 1] > u:
+                U[k], N[k] = U[k - 1], N[k - 1]
+                k -= 1
+            U[k], N[k] = u, int(node[h])
+    E = np.empty((2 * hits + n + 1, EDGE))
+    m, hint = 0, -1
+    stack = np.empty((128, 2))
+    for i in range(n):
+        u, start = U[at[i]], N[at[i]]
+        for k in range(at[i] + 1, at[i + 1]):
+            if N[k] == start:
+                u = U[k]
+                continue
+            v = U[k]
+            rank, hint = _rank(S, i, 0.5 * (u + v), (P, T, d), hint, stack)
+            if rank > 0.0 and C.shape[0] > 0 and _in_corner(S, i, 0.5 * (u + v), C, d):
+                rank = 0.0
+            if rank > 0.0:
+                E[m, 0], E[m, 1], E[m, 2], E[m, 3], E[m, 4], E[m, 5] = start, N[k], i, u, v, rank
+                m += 1
+            u, start = v, N[k]
+    return E[:m], X
+
+
+@fast_kernel
+def _rank(
+    S: FloatArray,
+    i: int,
+    u: float,
+    model: tuple[FloatArray, FloatArray, float],
+    hint: int,
+    stack: FloatArray,
+) -> tuple[float, int]:
+    """Say how a piece lies at a share: 2 surely far enough, 1 nearly, 0 too near, and to what."""
+    P, T, d = model
+    x, y = at_share(S, i, u)
+    if hint >= 0 and distance(P, hint, x, y) < d - SPARE:
+        return 0.0, hint
+    far, near = nearest(P, P.shape[0], T, (x, y), (d - SURE, d - SPARE), stack)
+    if near < 0:
+        return 2.0, hint
+    return (1.0 if far >= d - SPARE else 0.0), near
+
+
+@fast_kernel
+def _in_corner(S: FloatArray, i: int, u: float, C: FloatArray, d: float) -> bool:
+    """Say whether a piece lies at a share in a corner that is not round."""
+    x, y = at_share(S, i, u)
+    for c in range(C.shape[0]):
+        wx, wy = x - C[c, 0], y - C[c, 1]
+        if (
+            C[c, 2] * wy - C[c, 3] * wx < 0.0
+            and wx * C[c, 5] - wy * C[c, 4] < 0.0
+            and C[c, 2] * wx + C[c, 3] * wy < d - SPARE
+            and C[c, 4] * wx + C[c, 5] * wy < d - SPARE
+            and C[c, 6] * wx + C[c, 7] * wy < d - SPARE
+        ):
+            return True
+    return False

@@ -1,0 +1,313 @@
+"""Offsets of lines and arcs: exact, trimmed, checked."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from itertools import pairwise
+from math import frexp, ldexp
+
+import numpy as np
+
+from splinearm.arrays import FloatArray
+from splinearm.errors import GougeError, OffsetError
+
+from .contour import Contour, joined
+from .offset_check import Loops, check_offset
+from .region import Region
+
+_CORNERS = {"round": 0.0, "mitre": 1.0, "chamfer": 2.0}
+_ROUNDING = 1e-11
+"""What a result may be off by, as a share of the size of the part and the distance."""
+_NUDGES = (0.0, 1e-12, -1e-12, 3e-12, -1e-11)
+"""Shares of the size by which the distance is changed in turn if no loops close."""
+_TINY = 1e-14
+"""Segments with chords below this share of the size are none."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Scaled:
+    """Loops moved to the origin and scaled to about 1, as pieces in a tree."""
+
+    loops: Loops
+    P: FloatArray
+    segment: FloatArray
+    firsts: FloatArray
+    tree: FloatArray
+    origin: FloatArray
+    unit: float
+    outward: bool
+
+
+def _scaled(contours: Iterable[Contour], reach: float, *, outward: bool) -> _Scaled:
+    from .offset_kernel import pieces_of
+    from .tree_kernel import tree_of
+
+    vertices, bulges, starts = joined(contours)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    origin = 0.5 * (low + high)
+    extent = float((high - low).max())
+    if np.abs(bulges).max() > 1.0:
+        # arcs of more than half a turn may reach far beyond their ends
+        reaches = 0.5 * np.abs(bulges) * np.hypot(*(np.roll(vertices, -1, axis=0) - vertices).T)
+        extent += 2.0 * float(reaches.max())
+    # a power of two: scaling by it is exact
+    unit = ldexp(1.0, frexp(max(extent, reach))[1])
+    vertices = (vertices - origin) / unit
+    P, segment, firsts = pieces_of(vertices, bulges, starts, _TINY)
+    loops = Loops(vertices, bulges, starts)
+    tree = tree_of(P, len(P), 0.0)
+    return _Scaled(loops, P, segment, firsts, tree, origin, unit, outward)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Offsets:
+    """A part to be offset again and again: what is searched is made once."""
+
+    part: Region
+    """The part."""
+    _sides: dict[tuple[bool, int], _Scaled] = field(init=False, repr=False, default_factory=dict)
+
+    def at(
+        self, distance: float, *, corner: str = "round", mitre_limit: float = 2.0
+    ) -> tuple[Region, ...]:
+        """Give all points of the part, grown or shrunk by a distance: see `offset`."""
+        style = _style(corner, distance, mitre_limit)
+        if distance == 0.0:
+            return (self.part,)
+        outward = distance > 0.0
+        scaled = self._side(outward, abs(distance))
+        return _regions(_offset_loops(scaled, abs(distance), style), outward=outward)
+
+    def _side(self, outward: bool, reach: float) -> _Scaled:  # noqa: FBT001
+        # a distance beyond the size of the part wants a larger scale
+        key = outward, max(0, frexp(reach / self._size)[1])
+        if key not in self._sides:
+            contours = self.part.contours
+            if outward:
+                contours = tuple(contour.reversed() for contour in contours)
+            self._sides[key] = _scaled(contours, ldexp(self._size, key[1]), outward=outward)
+        return self._sides[key]
+
+    @property
+    def _size(self) -> float:
+        return float(np.ptp(self.part.outer.vertices, axis=0).max())
+
+
+def offset(
+    shape: Contour | Region, distance: float, *, corner: str = "round", mitre_limit: float = 2.0
+) -> tuple[Region, ...]:
+    """Give a closed shape grown or shrunk by a distance; lines stay lines and arcs arcs.
+
+    Grown: all points within the distance of the shape; shrunk: all that are farther than the
+    distance from what is outside of it. Regions split, join and vanish as they do; the result is
+    exact but for rounding, and checked.
+
+    Args:
+        shape: A region, or a closed contour, whose direction does not matter.
+        distance: How far, m; above 0 grown, below 0 shrunk.
+        corner: How the offset goes around corners: "round", "mitre" (straight on until both sides
+            meet) or "chamfer" (cut off across at the distance). None of them is nearer than it.
+        mitre_limit: A mitre that reaches farther than this many distances becomes a chamfer.
+
+    Raises:
+        ContourError: If the shape crosses itself.
+        OffsetError: If no result passes its check.
+        GougeError: If the only result is nearer to the shape than the distance.
+        ValueError: If a contour is open, or the distance is not finite.
+    """
+    part = shape if isinstance(shape, Region) else Region(shape)
+    return Offsets(part).at(distance, corner=corner, mitre_limit=mitre_limit)
+
+
+def rings(part: Region, distances: Iterable[float]) -> tuple[tuple[Region, ...], ...]:
+    """Give the offsets of a part by several distances, each from the part itself.
+
+    Args:
+        part: The part.
+        distances: The distances, m, see `offset`.
+    """
+    offsets = Offsets(part)
+    return tuple(offsets.at(distance) for distance in distances)
+
+
+def offset_path(
+    path: Contour, distance: float, *, corner: str = "round", mitre_limit: float = 2.0
+) -> tuple[Contour, ...]:
+    """Give the ways beside a path on which a cutter of that radius touches and cuts none of it.
+
+    Every point of the result is at the distance from the path (farther at corners that are not
+    round) and none of the path is nearer, also not its far side or its ends, around which the
+    result does not go.
+
+    Args:
+        path: Open or closed.
+        distance: How far, m; above 0 to the left of the path, below 0 to the right.
+        corner: How the offset goes around corners, see `offset`.
+        mitre_limit: See `offset`.
+
+    Returns:
+        The ways in the direction of the path, in the order of where they begin beside it.
+    """
+    style = _style(corner, distance, mitre_limit)
+    if distance == 0.0:
+        return (path,)
+    if path.closed:
+        return _beside_closed(path, distance, corner, mitre_limit)
+    forward = path if distance > 0.0 else path.reversed()
+    scaled = _scaled((_there_and_back(forward),), abs(distance), outward=True)
+    rows, starts, _ = _offset_loops(scaled, abs(distance), style)
+    segments = len(path.bulges)
+    ways = _ways(rows, starts, 2 * segments - 1)
+    if distance < 0.0:
+        ways = [way.reversed() for way in reversed(ways)]
+    return tuple(ways)
+
+
+def widened(
+    path: Contour, distance: float, *, corner: str = "round", mitre_limit: float = 2.0
+) -> tuple[Region, ...]:
+    """Give all points within a distance of an open path: a slot with round ends.
+
+    Args:
+        path: An open path.
+        distance: How far to each side, m, above 0.
+        corner: How it goes around corners, see `offset`; the ends are round.
+        mitre_limit: See `offset`.
+    """
+    if path.closed:
+        raise ValueError("path: want an open one; of a closed one take `offset`")
+    style = _style(corner, distance, mitre_limit)
+    if not distance > 0.0:
+        raise ValueError(f"distance: want a length above zero, got {distance}")
+    scaled = _scaled((_there_and_back(path),), distance, outward=True)
+    return _regions(_offset_loops(scaled, distance, style), outward=True)
+
+
+def _style(corner: str, distance: float, mitre_limit: float) -> tuple[float, float]:
+    """Give how corners are joined as kernels take it, and the reach of corners."""
+    if corner not in _CORNERS:
+        raise ValueError(f"corner: want one of {', '.join(_CORNERS)}, got {corner!r}")
+    if not np.isfinite(distance):
+        raise ValueError(f"distance: want a finite length, got {distance}")
+    if not mitre_limit >= 1.0:
+        raise ValueError(f"mitre_limit: want 1 or more, got {mitre_limit}")
+    return _CORNERS[corner], mitre_limit
+
+
+def _offset_loops(
+    scaled: _Scaled, distance: float, style: tuple[float, float]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Give checked loops of the offset to the left: rows of `offset_loops`, starts and areas."""
+    from .loop_kernel import offset_loops
+
+    unit, origin = scaled.unit, scaled.origin
+    d = distance / unit
+    reach = 1.0 if style[0] == 0.0 else max(style[1], 1.4143)
+    failure: OffsetError | GougeError | None = None
+    for nudge in _NUDGES:
+        rows, starts, areas, wrong = offset_loops(
+            scaled.P, scaled.segment, scaled.firsts, scaled.tree, d + nudge, style
+        )
+        if wrong[0] >= 0.0:
+            x, y = (wrong[1:] * unit + origin).tolist()
+            failure = failure or OffsetError(distance, "its pieces do not close to loops", (x, y))
+            continue
+        result = Loops(rows[:, :2].copy(), rows[:, 2].copy(), starts)
+        try:
+            check_offset(
+                result,
+                scaled.loops,
+                d,
+                outward=scaled.outward,
+                reach=reach,
+                tolerance=_ROUNDING,
+            )
+        except (GougeError, OffsetError) as error:
+            x, y = (np.array(error.where) * unit + origin).tolist()
+            if isinstance(error, GougeError):
+                failure = failure or GougeError((x, y), error.depth * unit)
+            else:
+                failure = failure or OffsetError(distance, error.what, (x, y))
+            continue
+        rows[:, :2] = rows[:, :2] * unit + origin
+        return rows, starts, areas
+    raise failure or OffsetError(distance, "not tried", (0.0, 0.0))
+
+
+def _regions(
+    loops: tuple[FloatArray, FloatArray, FloatArray], *, outward: bool
+) -> tuple[Region, ...]:
+    """Give the regions that loops enclose."""
+    outers: list[tuple[float, Contour]] = []
+    islands: list[Contour] = []
+    rows, starts, areas = loops
+    bounds = starts.astype(int).tolist()
+    for k, area in enumerate(areas.tolist()):
+        own = rows[bounds[k] : bounds[k + 1]]
+        contour = Contour.made(own[:, :2].copy(), own[:, 2].copy())
+        if outward:
+            contour = contour.reversed()
+        if (area > 0.0) != outward:
+            outers.append((abs(area), contour))
+        else:
+            islands.append(contour)
+    if len(outers) == 1:
+        return (Region.made(outers[0][1], tuple(islands)),)
+    # an island belongs to the smallest outer contour around it
+    outers.sort(key=lambda pair: pair[0])
+    inside: list[list[Contour]] = [[] for _ in outers]
+    for island in islands:
+        spot = _spot(island)
+        for k, (_, outer) in enumerate(outers):
+            if outer.contains(spot):
+                inside[k].append(island)
+                break
+    pairs = zip(outers, inside, strict=True)
+    return tuple(Region.made(outer, tuple(inner)) for (_, outer), inner in pairs)
+
+
+def _spot(contour: Contour) -> FloatArray:
+    """Give the middle of a contour's longest segment: where it touches others least."""
+    longest = int(contour.lengths.argmax())
+    start, end = contour.starts[longest], contour.ends[longest]
+    way = end - start
+    height = 0.5 * contour.bulges[longest]
+    middle: FloatArray = 0.5 * (start + end) + height * np.array([way[1], -way[0]])
+    return middle
+
+
+def _there_and_back(path: Contour) -> Contour:
+    """Give the closed contour along an open one and back."""
+    vertices = np.concatenate((path.vertices, path.vertices[-2:0:-1]))
+    return Contour.made(vertices, np.concatenate((path.bulges, -path.bulges[::-1])))
+
+
+def _beside_closed(
+    path: Contour, distance: float, corner: str, mitre_limit: float
+) -> tuple[Contour, ...]:
+    leftward = path.area > 0.0
+    grown = abs(distance) if (distance > 0.0) != leftward else -abs(distance)
+    regions = offset(path, grown, corner=corner, mitre_limit=mitre_limit)
+    contours = tuple(contour for region in regions for contour in region.contours)
+    return contours if leftward else tuple(contour.reversed() for contour in contours)
+
+
+def _ways(rows: FloatArray, starts: FloatArray, end: int) -> list[Contour]:
+    """Give the runs of segments in loops whose number is below an end, as open contours."""
+    found: list[tuple[float, Contour]] = []
+    bounds = starts.astype(int).tolist()
+    for first, last in pairwise(bounds):
+        own = rows[first:last]
+        kept = own[:, 3] < end
+        if kept.all():
+            found.append((float(own[0, 3]), Contour.made(own[:, :2].copy(), own[:, 2].copy())))
+            continue
+        # begun behind a segment that is not wanted, no run goes on over the end
+        shift = int(np.argmin(kept))
+        own, kept = np.roll(own, -shift, axis=0), np.roll(kept, -shift)
+        edges = np.flatnonzero(np.diff(np.concatenate(([False], kept, [False])).astype(int)))
+        for a, b in edges.reshape(-1, 2).tolist():
+            corners = own[np.arange(a, b + 1) % len(own), :2]
+            found.append(
+                (float(own[a, 3]), Contour.made(corners, own[a:b, 2].copy(), closed=False))
+            )
+    return [way for _, way in sorted(found, key=lambda pair: pair[0])]
