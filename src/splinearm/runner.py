@@ -23,7 +23,7 @@ from splinearm.control.mcap_log import McapLog
 from splinearm.control.realtime import SPIN, Footing, real_time
 from splinearm.control.record import Recorder
 from splinearm.control.rehearsal import LASTS as REHEARSAL
-from splinearm.control.rehearsal import RATES, UNSEEN_AMONG, UNSEEN_FIRST, rehearse
+from splinearm.control.rehearsal import RATES, UNSEEN_AMONG, UNSEEN_FIRST, WINDOWS, rehearse
 from splinearm.control.report import LoopReport, TrackingReport, report_loop, report_tracking
 from splinearm.control.servo_count import ServoCounter
 from splinearm.control.stop import StopRequest
@@ -95,12 +95,14 @@ def plan_job(job: Job, cell: Cell) -> PlannedJob:
         ConfigError: If waypoints, arm and limits do not go together.
         TrajectoryError: If the motion cannot be made.
     """
+    if job.program is not None:
+        raise ConfigError(job.file, "toolpath", "has no waypoints to plan; run it instead")
     try:
         motion = plan(
             cell.arm,
             job.waypoints,
             job.q_start,
-            limits=_limits(job, cell),
+            limits=limits_of(job, cell),
             position_tolerance=job.position_tolerance,
             closed=job.closed,
         )
@@ -120,7 +122,7 @@ def plan_job(job: Job, cell: Cell) -> PlannedJob:
     return PlannedJob(job, cell, motion)
 
 
-def _limits(job: Job, cell: Cell) -> MotionLimits:
+def limits_of(job: Job, cell: Cell) -> MotionLimits:
     """Give what a job lets its arm do."""
     joints = cell.arm.limits.scaled(job.limits_share)
     if job.jerk_time is not None:
@@ -339,7 +341,8 @@ def _period(
         with suppress(BusError):
             station.driver.read()
 
-    tried = rehearse(station.clock, min(period, 1.0 / RATES[-1]), read, REHEARSAL)
+    windows = 1 if footing.fifo else WINDOWS
+    tried = rehearse(station.clock, min(period, 1.0 / RATES[-1]), read, REHEARSAL, windows)
     rate = tried.rate(job.rate, UNSEEN_FIRST if footing.fifo else UNSEEN_AMONG)
     late = f"up to {tried.lateness.max() * 1e3:.1f} ms late when the arm rests"
     if rate is None:

@@ -29,6 +29,8 @@ The keys of a job file (``schema = "splinearm-job/1"``)::
         lag_s               how long a joint may be behind its setpoint while it moves (default 0.1)
         goal_deg            from the end of the motion (default 5)
         settle_s            how long a joint may take to get there (default 1)
+    toolpath                an NC program in place of waypoints; [place] says where it lies, as
+                            splinearm.config.nc_program has it
     [[waypoint]]            in order; where, and what differs from [motion]
         position_mm, and quat_wxyz or rpy_deg if the orientation matters; or joints_deg
         through, facing, speed_mm_s
@@ -60,6 +62,7 @@ from splinearm.trajectories.waypoint import ArcAbout, ArcThrough, Facing, Move, 
 
 from .cell import Cell, load_cell, read_positions, shipped_arms
 from .frame import read_quat
+from .nc_program import NcProgram, read_program
 from .reader import Table, read_file
 from .unit import positions_key
 
@@ -102,6 +105,8 @@ class Job:
     """How far the tool may be off the wanted curve, m."""
     feedforward: str | None = None
     """By what servos' goals are ahead of their setpoints; None: as the arm's file says."""
+    program: NcProgram | None = None
+    """The NC program that it carries out in place of waypoints; None: it has waypoints."""
     tolerances: Mapping[str, FloatArray] = field(default_factory=dict)
     """How far joints may be off while they move, by what of ``Tolerances`` the file says, each of
     shape (n,): ``start``, ``path`` and ``goal`` in rad or m, ``lag`` and ``settle`` in s."""
@@ -134,8 +139,11 @@ def load_job(path: str | PathLike[str], *, arm: str | PathLike[str] | None = Non
     q_start = _read_start(root, cell)
     motion, waypoint_tables = root.table("motion"), root.tables("waypoint")
     tolerances = _read_tolerances(root.table("tolerance"), cell)
+    program = read_program(root, file)
     root.finish()
-    if not waypoint_tables:
+    if program is not None and waypoint_tables:
+        raise root.refuse("waypoint", "contradicts toolpath; take one of them out")
+    if program is None and not waypoint_tables:
         raise root.refuse("waypoint", "is missing; give a [[waypoint]] table for each place")
     usual = _read_usual(motion)
     job = Job(
@@ -153,6 +161,7 @@ def load_job(path: str | PathLike[str], *, arm: str | PathLike[str] | None = Non
         rate=motion.number("rate_hz", 100.0, low=1.0, high=2000.0),
         position_tolerance=motion.number("position_tolerance_mm", 2e-5, above=0.0),
         feedforward=motion.choice("feedforward", KINDS) if "feedforward" in motion else None,
+        program=program,
         tolerances=tolerances,
     )
     motion.finish()

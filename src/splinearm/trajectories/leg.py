@@ -17,7 +17,7 @@ from splinearm.kinematics.arm import Arm
 
 from .constraint import SpeedCap
 from .joint_path import JointPath
-from .law_choice import quickest_law
+from .law_choice import CELLS, quickest_law
 from .limit import MotionLimits
 from .path import (
     CartesianPath,
@@ -58,16 +58,22 @@ class Leg:
         return end
 
     def sections(
-        self, arm: Arm, limits: MotionLimits
+        self, arm: Arm, limits: MotionLimits, cells: int = CELLS
     ) -> list[tuple[Section, list[tuple[int, float]]]]:
-        """Give the parts from rest to rest, and when in each a waypoint is passed, s."""
+        """Give the parts from rest to rest, and when in each a waypoint is passed, s.
+
+        Args:
+            arm: The arm.
+            limits: What joints, torques and tool may do.
+            cells: On about how many cells a smooth law is sought.
+        """
         inner = range(1, len(self.places) - 1)
         rests = [0, *(i for i in inner if self.places[i].stops), len(self.places) - 1]
         cap = self._cap(arm, limits.tool_speed)
         parts = []
         for begin, end in pairwise(rests):
             span = (float(self.s[begin]), float(self.s[end]))
-            law = quickest_law(self.joints, limits, span, cap)
+            law = quickest_law(self.joints, limits, span, cap, cells)
             passed = [
                 (number, law.time_at(float(self.s[i])))
                 for i in range(begin + 1, end + 1)

@@ -32,6 +32,9 @@ _CAREFUL = 1e-4
 _JUMP = 0.05
 """How far, in rad, a correction may carry a joint and still be on the same branch."""
 
+_STRAY = 0.3
+"""How far, in rad, joints may be from where they are nearly known to be."""
+
 _SHORTEST = 1e-7
 """Shortest step along a path, as a share of its length."""
 
@@ -39,6 +42,9 @@ _FINE = 1001
 """How often a piece that may leave the joint limits is looked at."""
 
 _MOST_NODES = 20_000
+
+_MOST_EACH = 32
+"""More nodes than that from one given node to the next are too many as well."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,11 +80,13 @@ class _Sampled:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Nodes:
-    """Joint positions on the path."""
+class Nodes:
+    """Joint positions on a path."""
 
     s: FloatArray
+    """Where, rising, shape (m,)."""
     q: FloatArray
+    """Joint positions there, shape (m, n)."""
 
 
 def resolve(
@@ -110,6 +118,40 @@ def resolve(
     return joints
 
 
+def resolve_near(
+    arm: Arm, path: CartesianPath, near: Nodes, tolerance: Tolerance, labels: PathLabels
+) -> JointPath:
+    """Give the way of the joints as ``resolve`` does, where it is nearly known beforehand.
+
+    Nothing is walked along: all places are corrected at once, which is quick on long paths.
+
+    Args:
+        arm: The arm.
+        path: Where the tool shall go.
+        near: About where the joints are on the path, from its start to its end, so densely that
+            none is nearer to another branch.
+        tolerance: How far the tool may be off.
+        labels: What messages call the places of the path.
+
+    Raises:
+        UnreachableError: If the arm cannot follow near there.
+    """
+    forward.load()
+    path = _quick(path)
+    found = task.correct(arm, near.q, path.state(near.s))
+    lost = (found.position_error > _NODE_SHARE * tolerance.position) | (
+        found.orientation_error > _NODE_SHARE * tolerance.orientation
+    )
+    lost |= np.abs(found.q - near.q).max(axis=1) > _STRAY
+    if lost.any():
+        k = int(np.argmax(lost))
+        raise refuse_unreachable(arm, path, float(near.s[k]), near.q[k], labels)
+    s, jet = _refine(arm, path, Nodes(near.s, found.q), tolerance, labels)
+    joints = JointPath(quintic_spline(s, jet))
+    _check_limits(arm, path, joints, labels)
+    return joints
+
+
 def _quick(path: CartesianPath) -> CartesianPath:
     """Give the same path, quicker to look at."""
     curve = path.position
@@ -120,7 +162,7 @@ def _quick(path: CartesianPath) -> CartesianPath:
 
 def _track(
     arm: Arm, path: CartesianPath, q_start: FloatArray, tolerance: Tolerance, labels: PathLabels
-) -> _Nodes:
+) -> Nodes:
     """Walk along the path in steps as long as predictions stay good."""
     breaks = path.breaks
     length = breaks[-1] - breaks[0]
@@ -152,7 +194,7 @@ def _track(
             s_nodes.append(float(to))
             q_nodes.append(reached.q[0])
             step = (to - s) * min(2.0, 0.8 * (_CAREFUL / max(off, 1e-12)) ** 0.2)
-    return _Nodes(np.array(s_nodes), np.array(q_nodes))
+    return Nodes(np.array(s_nodes), np.array(q_nodes))
 
 
 def _predict(arm: Arm, states: ToolState, h: float, q: FloatArray) -> FloatArray:
@@ -185,10 +227,11 @@ def _is_reached(found: task.Corrected, tolerance: Tolerance) -> bool:
 
 
 def _refine(
-    arm: Arm, path: CartesianPath, nodes: _Nodes, tolerance: Tolerance, labels: PathLabels
+    arm: Arm, path: CartesianPath, nodes: Nodes, tolerance: Tolerance, labels: PathLabels
 ) -> tuple[FloatArray, Jet]:
     """Add nodes until the tool is near enough to the path between them."""
     s, q = nodes.s, nodes.q
+    most = max(_MOST_NODES, _MOST_EACH * len(s))
     slope, bend = task.slopes_and_bends(arm, q, path.state(s))
     open_pieces = np.ones(len(s) - 1, dtype=bool)
     while True:
@@ -201,7 +244,7 @@ def _refine(
         if bad.size == 0:
             return s, (q, slope, bend)
         shortest = float((s[bad + 1] - s[bad]).min())
-        if len(s) + bad.size > _MOST_NODES or shortest < _SHORTEST * (s[-1] - s[0]):
+        if len(s) + bad.size > most or shortest < _SHORTEST * (s[-1] - s[0]):
             steepest = int(np.argmax(np.abs(slope).max(axis=1)))
             raise refuse_jump(arm, path, float(s[steepest]), q[steepest], labels)
         middle = 0.5 * (s[bad] + s[bad + 1])
