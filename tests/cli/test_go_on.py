@@ -10,6 +10,8 @@ import time
 import pytest
 
 from splinearm.cli.main import DONE, INTERRUPTED
+from splinearm.config import load_cell
+from splinearm.sim.virtual_bus import VirtualBus
 
 CTRL_C = b"\x03"
 
@@ -67,3 +69,26 @@ def test_a_person_is_asked_whether_a_stopped_motion_goes_on(cli, answer, code):
     terminal.type(answer)
     assert terminal.end() == code
     assert ("outcome: finished" in terminal.text) is (code == DONE)
+
+
+@pytest.mark.bus
+def test_an_arm_that_a_fault_has_stopped_is_taken_up_again_when_a_person_says_so(cli):
+    cell = load_cell("planar_2r")
+    with VirtualBus(cell.arm, cell.chain, cell.poses["home"], transport="socket") as bus:
+        terminal = Terminal("run", cli.job(), "--on", bus.port, "--rate", "50")
+        terminal.wait_for("motion of 3.00 s begins")
+        time.sleep(0.5)
+        with bus.lock:
+            bus.servos[2].temperature = 85.0
+            bus.servos[2].fail("overheating")
+        terminal.wait_for("go on from where it rests? [y/N]")
+        assert "servo 2 (joint2): it reports overheating" in terminal.text
+        terminal.text = ""
+        terminal.type(b"y\n")
+        terminal.wait_for("go on from where it rests? [y/N]")
+        assert "let it cool down" in terminal.text
+        with bus.lock:
+            bus.servos[2].temperature = 30.0
+        terminal.type(b"y\n")
+        assert terminal.end() == DONE
+    assert "outcome: finished" in terminal.text

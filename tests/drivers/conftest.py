@@ -399,6 +399,9 @@ class DirectBus:
                 return packet
         raise BusTimeoutError(servo_id, port=self.port)
 
+    def speak(self, protocols) -> None:
+        assert not [i for i, protocol in protocols.items() if protocol != 2]
+
     def ping(self, servo_id: int, tries: int = 1) -> PingReply:
         params = self.status(servo_id, Instruction.PING).params
         return PingReply(servo_id, params[0] | params[1] << 8, params[2])
@@ -445,7 +448,7 @@ def in_their_time(monkeypatch):
     """Let what the driver waits for pass in the time of a direct bus."""
 
     def live_in(bus: DirectBus) -> None:
-        for module in ("recover", "watchdog", "health", "servo_arm", "exchange"):
+        for module in ("recover", "watchdog", "health", "servo_arm", "exchange", "torque"):
             monkeypatch.setattr(f"splinearm.drivers.{module}.time", bus)
 
     return live_in
@@ -502,8 +505,7 @@ class SteppedArm:
 
     def push(self, torques) -> None:
         """Push the joints from outside from here on."""
-        with self.virtual.lock:
-            self.virtual.plant._data.qfrc_applied[:] = torques
+        self.virtual.push(np.broadcast_to(torques, self.arm.n))
 
 
 @pytest.fixture

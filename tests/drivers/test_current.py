@@ -145,3 +145,28 @@ def test_in_current_control_a_weight_that_is_well_known_is_carried_another_falls
         one.bus.write(1, table["Goal Current"], round(amps / 2.69e-3))
         one.pass_time(0.01)
     assert bool(abs(one.virtual.q[0] - 0.3) <= 1.0 * DEG) is stays
+
+
+@pytest.mark.kernel
+def test_the_feed_forward_makes_up_for_the_lag_of_mode_5_too(stepped_arm, pendulum):
+    chain = ServoChain(servos=(servo(**MODE_5),))
+    arm = pendulum(1, 0.05)
+    torque, off = Dynamics(arm).inverse, []
+    for led in (False, True):
+
+        def make(bus, led=led):
+            return ServoFeedforward.of(chain, ["j0"], torque, bus=bus) if led else None
+
+        one = stepped_arm(arm, chain, [0.0], make)
+        with one.driver:
+            one.rest(np.zeros(1), 0.3)
+            worst = 0.0
+            for k in range(1, 101):
+                u, T = k / 100, 1.0  # a quintic over a radian
+                q = u**3 * (10.0 - 15.0 * u + 6.0 * u * u)
+                qd = 30.0 * u * u * (1.0 - u) ** 2 / T
+                qdd = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / T**2
+                point = JointSetpoint(t=u, q=np.array([q]), qd=np.array([qd]), qdd=np.array([qdd]))
+                worst = max(worst, abs(float(q - one.cycle(point)[0])))
+        off.append(worst)
+    assert off[1] <= 0.2 * off[0]

@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from splinearm.drivers.servo_arm import ServoArm
 from splinearm.errors import ServoError
 
 pytestmark = pytest.mark.bus
@@ -110,3 +111,34 @@ def test_hold_after_release_begins_where_the_arm_was_moved_by_hand(open_arm, lin
         assert [e[1] for e in order[:4]] == ["Goal Position"] * 4
         arm.write(setpoint(552 * TICK, 0.0, 0.0))
     assert line.servos[1]["Present Position"] == 2600
+
+
+def test_a_goal_that_was_lost_on_the_way_is_written_again(bus_of, setpoint):
+    bus, arm = bus_of()
+    lost, sync_write = [], bus.sync_write
+
+    def forgetful(group, values):
+        if not lost and group.blocks[0].fields[0].name == "Goal Position":
+            lost.append(values)
+        else:
+            sync_write(group, values)
+
+    bus.sync_write = forgetful
+    with arm:
+        assert lost
+        for servo in bus.servos.values():
+            assert servo.torque_on
+            assert servo.memory["Goal Position"] == servo.position
+
+
+@pytest.fixture
+def bus_of(make_chain, make_limits, make_direct, in_their_time):
+    def make():
+        bus = make_direct(make_chain())
+        in_their_time(bus)
+        for shaft in bus.shafts.values():
+            shaft.angle = 0.3
+        limits = make_limits()
+        return bus, ServoArm(make_chain(), limits.names, limits, bus)
+
+    return make

@@ -1,4 +1,4 @@
-"""``splinearm run JOB``: carry out a job, or a motion that was saved."""
+"""``splinearm run JOB``: carry out a job, a motion that was saved, or an NC program."""
 
 import argparse
 import json
@@ -8,8 +8,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
+from . import run_program
+
 if TYPE_CHECKING:
+    from splinearm.config import Job
     from splinearm.control.cycle import Cycle
+    from splinearm.drivers.base import ArmDriver
     from splinearm.runner import PlannedJob, RunResult
 
 _REDRAWN = 0.25
@@ -45,7 +49,10 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         epilog=_CODES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("job", help="the job's TOML file, or a motion (.json, .ros.json, .csv)")
+    parser.add_argument(
+        "job",
+        help="the job's TOML file, a motion (.json, .ros.json, .csv) or an NC program (.ngc)",
+    )
     parser.add_argument(
         "--on",
         default="mujoco",
@@ -76,18 +83,30 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument(
         "--realtime", action="store_true", help="let the MuJoCo arm keep pace with the clock"
     )
+    run_program.add_words(parser)
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
     """Plan, move, report."""
+    from splinearm.config import load_cell
+    from splinearm.runner import plan_job
+
     from .files import require_new
 
+    if run_program.is_program(args.job):
+        return run_program.run(args)
     require_new(rows=args.csv, picture=args.plot)
     require_new(rows=args.mcap)
     require_new(rows=args.json)
-    is_job = Path(args.job).suffix.lower() == ".toml"
-    planned = planned_job(args) if is_job else saved_motion(args)
+    if Path(args.job).suffix.lower() == ".toml":
+        job = read_job(args)
+        cell = load_cell(job.arm)
+        if job.program is not None:
+            return run_program.run_job(job, cell, args)
+        planned = plan_job(job, cell)
+    else:
+        planned = saved_motion(args)
     files = Files(csv=args.csv, mcap=args.mcap, json=args.json)
     result = carry_out(planned, args.on, files, realtime=args.realtime)
     if args.plot is not None and result.recorder.cycles:
@@ -97,17 +116,14 @@ def run(args: argparse.Namespace) -> int:
     return exit_code(result)
 
 
-def planned_job(args: argparse.Namespace) -> "PlannedJob":
-    """Read a job and plan it."""
-    from splinearm.config import load_cell, load_job
-    from splinearm.runner import plan_job
+def read_job(args: argparse.Namespace) -> "Job":
+    """Read a job with what the command line says besides."""
+    from splinearm.config import load_job
 
     from .words import rate_of
 
     job = load_job(args.job, arm=args.arm)
-    if args.rate is not None:
-        job = replace(job, rate=rate_of(args.rate))
-    return plan_job(job, load_cell(job.arm))
+    return job if args.rate is None else replace(job, rate=rate_of(args.rate))
 
 
 def saved_motion(args: argparse.Namespace) -> "PlannedJob":
@@ -151,7 +167,9 @@ def carry_out(
                 announce=console.print,
             )
         _report(result, files)
-        while _shall_go_on(result):
+        while shall_go_on(result):
+            if not _is_taken_up(result, station.driver):
+                continue
             rest = result.ending.stopped
             with _Bar(0.0 if rest is None else rest.trajectory.duration - rest.t) as bar:
                 result = resume(result, station, observe=bar.show, announce=console.print)
@@ -168,7 +186,7 @@ def _report(result: "RunResult", files: Files) -> None:
         files.json.write_text(json.dumps(result.document(), indent=2) + "\n", encoding="utf-8")
 
 
-def _shall_go_on(result: "RunResult") -> bool:
+def shall_go_on(result: "RunResult") -> bool:
     """Ask a person, if there is one, whether a stopped motion shall go on."""
     if result.ending.stopped is None or not (sys.stdin.isatty() and sys.stdout.isatty()):
         return False
@@ -179,6 +197,19 @@ def _shall_go_on(result: "RunResult") -> bool:
     except (EOFError, KeyboardInterrupt):
         return False
     return answer.strip().lower() in ("y", "yes")
+
+
+def _is_taken_up(result: "RunResult", driver: "ArmDriver") -> bool:
+    """Take the arm up again after what stopped it; if that cannot be done yet, say why."""
+    from splinearm.control.comeback import take_up
+    from splinearm.errors import BusError
+
+    try:
+        take_up(driver, result.ending.fault)
+    except BusError as error:
+        print(f"splinearm: {error}")
+        return False
+    return True
 
 
 class _Bar:

@@ -21,3 +21,5 @@ class Cycle:
     """What was measured before that; None if no full answer came."""
     busy: float
     """How long reading, checking and writing took, s."""
+    stride: int = 1
+    """How many cycles after the last it was due: more than one once the rate was lowered."""

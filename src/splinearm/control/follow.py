@@ -27,6 +27,7 @@ from .stop import StopRequest
 _log = logging.getLogger(__name__)
 
 _FEWEST = 3
+_PATIENCE = 10
 _BRIDGED = 0.02
 """So many cycles, or as many as take this time, s, the plan bridges if nothing else is said."""
 
@@ -113,7 +114,7 @@ class Loop:
 
     def _first_state(self) -> JointState:
         """Measure; an answer lost on a noisy line is asked for again."""
-        for _ in range(self.bridged):
+        for _ in range(max(self.bridged, _PATIENCE)):
             try:
                 return self.driver.read()
             except (BusTimeoutError, PacketError):

@@ -7,7 +7,13 @@ from typing import Any
 import numpy as np
 
 from splinearm.drivers.base import ArmDriver
-from splinearm.errors import BusError, HealthError, ServoError
+from splinearm.errors import (
+    BusError,
+    BusTimeoutError,
+    HealthError,
+    ServoError,
+    SilentBusError,
+)
 from splinearm.joints import JointSetpoint, JointState
 
 NAMED_AFTER = 3
@@ -76,7 +82,17 @@ class Hearing:
         self._silent += 1
         if self._tells_apart:
             self._silent[self._driver.last_seen.t >= asked] = 0
+        joint = self._names[int(np.argmax(self._silent))]
+        who = f"joint {joint!r} gave no answer"
+        if isinstance(error, BusTimeoutError) and self._nobody_answers():
+            self.trouble = SilentBusError(error.port)
+            who = "no joint gave an answer"
         if self.lost >= NAMED_AFTER and not self._named:
             self._named = True
-            joint = self._names[int(np.argmax(self._silent))]
-            self._announce(f"joint {joint!r} gave no answer for {self.lost} cycles: {error}")
+            self._announce(f"{who} for {self.lost} cycles: {self.trouble}")
+
+    def _nobody_answers(self) -> bool:
+        """Tell whether all of several joints have been silent for long."""
+        return (
+            self._tells_apart and len(self._names) > 1 and bool((self._silent >= NAMED_AFTER).all())
+        )

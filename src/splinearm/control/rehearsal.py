@@ -19,6 +19,9 @@ RATES = (
 )
 """Rates among which is chosen, Hz; below the last the servos' own watchdog would stop them."""
 
+WINDOWS = 3
+"""In how many parts it is tried without real-time priority."""
+
 UNSEEN_FIRST, UNSEEN_AMONG = 2.0, 4.0
 """Wake-ups will be so many times as late as the latest that was seen: of a thread that goes before
 all others, and of one among them."""
@@ -35,6 +38,8 @@ class Rehearsal:
     """By how much each began late, shape (m,), s."""
     busy: FloatArray
     """How long its work took, shape (m,), s."""
+    windows: int = 1
+    """In how many parts, with pauses between them, it was tried; the worst decides."""
 
     def shortest_period(self, unseen: float) -> float:
         """Give the shortest time between cycles that can be held, s.
@@ -42,7 +47,8 @@ class Rehearsal:
         Args:
             unseen: How many times as late as seen wake-ups will be.
         """
-        most = float(np.percentile(self.busy, 90)) / _FULL
+        parts = np.array_split(self.busy, self.windows)
+        most = max(float(np.percentile(part, 90)) for part in parts) / _FULL
         return max(most, unseen * float(self.lateness.max()))
 
     def rate(self, wanted: float, unseen: float = UNSEEN_AMONG) -> float | None:
@@ -57,7 +63,11 @@ class Rehearsal:
 
 
 def rehearse(
-    clock: Clock, period: float, work: Callable[[], object], duration: float = LASTS
+    clock: Clock,
+    period: float,
+    work: Callable[[], object],
+    duration: float = LASTS,
+    windows: int = 1,
 ) -> Rehearsal:
     """Run cycles of some work, on the clock that the motion will have.
 
@@ -66,14 +76,19 @@ def rehearse(
         period: Time between cycles, s.
         work: What a cycle does, without moving anything.
         duration: For how long, s.
+        windows: In how many parts with pauses as long as they are: what disturbs a computer comes
+            and goes.
     """
     count = max(int(duration / period), 10)
+    pauses = {count * k // windows for k in range(1, windows)}
     lateness, busy = np.empty(count), np.empty(count)
     due = clock.now()
     for i in range(count):
+        if i in pauses:
+            clock.wait_until(clock.now() + duration / windows)
         due = max(due + period, clock.now())
         lateness[i] = clock.wait_until(due)
         begun = time.perf_counter()
         work()
         busy[i] = time.perf_counter() - begun
-    return Rehearsal(lateness, busy)
+    return Rehearsal(lateness, busy, windows)

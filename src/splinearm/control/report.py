@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -111,11 +112,12 @@ def report_loop(
         period: Time between cycles that was asked for, s.
         servos: How each servo answered in it.
     """
-    asked = cycles[-1].index + 1 if cycles else 0
+    missed = cycles[0].index if cycles else 0
+    missed += sum((b.index - a.index) // b.stride - 1 for a, b in pairwise(cycles))
     return LoopReport(
         rate=1.0 / period,
         cycles=len(cycles),
-        missed=asked - len(cycles),
+        missed=missed,
         unanswered=sum(cycle.state is None for cycle in cycles),
         lateness=Spread.of(np.array([cycle.lateness for cycle in cycles])),
         busy=Spread.of(np.array([cycle.busy for cycle in cycles])),

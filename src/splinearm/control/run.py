@@ -15,6 +15,7 @@ from .cycle import Cycle
 from .ending import Ending, ExitReason, Outcome, reason_of
 from .forecast import joint_travel
 from .hearing import Hearing
+from .keeping import RateKeeper
 from .override import PaceRequest
 from .stop import StopRequest
 
@@ -44,6 +45,7 @@ class Run:
         self.loop = loop
         self.stop = stop
         self.course = Course(trajectory, loop.period, pace)
+        self.keeper = RateKeeper(loop.period)
         self.hearing = Hearing(loop.driver, loop.guard.limits.names, loop.announce)
         self.fault: MotionError | None = None
         self.reason = ExitReason.SUCCESSFUL
@@ -61,7 +63,7 @@ class Run:
             setpoint, state = self._cycle(lateness)
             if self.cut_off or (self.course.ended(self.index) and self._may_end(setpoint, state)):
                 break
-            self.index += 1
+            self.index += self.keeper.stride
         if not self.cut_off:
             self._hold()
         return self._ending()
@@ -85,7 +87,10 @@ class Run:
 
     def _cycle(self, lateness: float) -> tuple[JointSetpoint, JointState | None]:
         woke = time.perf_counter()
+        stride = self.keeper.stride
         self._catch_up(lateness)
+        if self.cut_off:
+            return self.course.setpoint(self.index), None
         state = self._read()
         self._judge(self.course.setpoint(self.index), state)
         setpoint = self.course.setpoint(self.index)  # of the stop, once it has begun
@@ -98,6 +103,7 @@ class Run:
                 setpoint=setpoint,
                 state=state,
                 busy=time.perf_counter() - woke,
+                stride=stride,
             )
         )
         return setpoint, state
@@ -108,15 +114,39 @@ class Run:
         After too long a pause the newest point may be far: then the motion goes on from the last
         one, and stops.
         """
-        missed = int(lateness / self.loop.period)
+        missed = int(lateness / (self.keeper.stride * self.loop.period))
         if missed == 0:
             return
-        self.index += missed
+        self.index += missed * self.keeper.stride
         if missed > self.loop.bridged:
             onward = self.loop.bridged if self.stopping else 1
             t = self.last_t + onward * self.loop.period
             self.course.anchor(self.index, min(t, self.course.motion.duration))
-            self._stop(self._stale(lateness))
+            if getattr(self.loop.driver, "halted", False):
+                self._give_in(self._stale(lateness))
+            else:
+                self._stop(self._stale(lateness))
+        else:
+            self._keep_rate(lateness)
+
+    def _keep_rate(self, lateness: float) -> None:
+        """Choose a lower rate if this computer was late too often of late."""
+        worst = self.keeper.note(self.index * self.loop.period, lateness)
+        if worst is not None:
+            self.loop.announce(
+                f"this computer wakes up to {worst * 1e3:.1f} ms late: going on at "
+                f"{self.keeper.rate:.0f} setpoints a second; the path stays the same"
+            )
+
+    def _give_in(self, fault: MotionError) -> None:
+        """End after a pause in which the servos have stopped by themselves: hold where they are.
+
+        They would have to jump to the speed of the motion to be slowed down along its path.
+        """
+        self._fail(fault)
+        self.loop.announce(f"{fault}: the servos have stopped by themselves")
+        self._hold()
+        self.cut_off = True
 
     def _read(self) -> JointState | None:
         try:

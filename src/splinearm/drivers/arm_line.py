@@ -9,6 +9,7 @@ import numpy as np
 from splinearm.arrays import ArrayInput, FloatArray
 
 from .arm_option import known_angles
+from .asking import read_all
 from .bus import PingReply, ServoBus
 from .crew import Crew
 from .exchange import Exchange
@@ -16,7 +17,6 @@ from .health import HealthWatch, health_limits
 from .lead import GoalLead
 from .scaling import JointScale
 from .stance import Stance
-from .startup import read_all
 
 
 @dataclass(slots=True, eq=False, kw_only=True)
@@ -40,14 +40,15 @@ class ArmLine:
         roll: Mapping[int, PingReply],
         scale: JointScale,
         lead: GoalLead,
-        goal: FloatArray,
     ) -> Self:
         """Prepare what is sent and read; best with the torque still off.
 
         Raises:
             BusError: If a servo does not answer.
         """
-        drives_current = lead.current(lead.resting(goal)) is not None
+        goal = np.full(len(crew.leaders), np.nan)
+        at_zero = lead.resting(np.zeros(len(crew.leaders)))
+        drives_current = lead.current(at_zero) is not None
         current = "Goal Current" if drives_current else None
         exchange = Exchange(bus, crew, roll, scale, current=current)
         exchange.lay_out()

@@ -136,6 +136,11 @@ class ServoBus(Protocol):
         ...
 
     @property
+    def baud(self) -> int:
+        """Bits per second."""
+        ...
+
+    @property
     def margin(self) -> float:
         """How long an answer may come later than the wire needs before it counts as lost, s."""
         ...
@@ -143,6 +148,10 @@ class ServoBus(Protocol):
     @property
     def retries(self) -> Mapping[int, int]:
         """By id how many single instructions had to be sent again; ids without any may lack."""
+        ...
+
+    def speak(self, protocols: Mapping[int, int]) -> None:
+        """Say which protocol servos speak, 1 or 2, by id; those never named speak 2.0."""
         ...
 
     def ping(self, servo_id: int) -> PingReply:

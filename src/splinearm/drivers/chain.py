@@ -87,7 +87,7 @@ class ServoChain:
     baud: int = 1_000_000
     """Bits per second on the wire."""
     protocol: float = 2.0
-    """Protocol that the servos speak, 1.0 or 2.0."""
+    """Protocol of the servos that can speak both, 1.0 or 2.0; others speak the one they know."""
     usual_port: str | None = None
     """The port where the arm is usually found."""
 

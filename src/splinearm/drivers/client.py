@@ -213,6 +213,8 @@ class ServoClient:
         if left:  # for those that were lost last time nobody else shall wait for long
             deadline = min(deadline, link.soon(len(group.ids), left))
         replies, unfinished = group.parse(data)
+        if unfinished and len(data) >= group.reply_length:  # damaged, or there was noise before it
+            deadline = min(deadline, link.soon(0, 0))
         while unfinished and (more := link.receive_some(deadline)):
             data += more
             replies, unfinished = group.parse(data)

@@ -31,6 +31,7 @@ _FAST_HEAD = 8  # header, id, LEN, instruction
 _FAST_OVERHEAD = 4  # error, id, CRC
 _FAST_PREFIX = HEADER + bytes((BROADCAST_ID,))
 _FAST_TRIES = 3
+_NOT_THERE = (Loss.SILENT, Loss.HIDDEN)
 
 
 class GroupRead:
@@ -171,10 +172,12 @@ class GroupRead:
         """Take from an outcome how to ask next time."""
         lost = {servo_id for servo_id, reply in replies.items() if reply.loss is not None}
         before = (self.ids, self._use_fast)
-        # a fast answer ends at the first servo that is lost: of those after it nothing is known
-        unclear = self._use_fast and len(lost - self._doubted) > 1
+        # a fast answer ends at the first servo that is missing: of those after it nothing is known
+        gone = {i for i in lost - self._doubted if replies[i].loss in _NOT_THERE}
+        unclear = self._use_fast and len(gone) > 1
         if self._fast_known:
-            self._choose_speed(nobody=len(lost) == len(self._requests), unclear=unclear)
+            nobody = all(reply.loss in _NOT_THERE for reply in replies.values())
+            self._choose_speed(nobody=nobody, unclear=unclear)
         if not unclear:
             self._doubted = lost
             self._requests = asked_next(self._requests, lost)
@@ -209,13 +212,31 @@ class GroupRead:
         """Find answers between whatever else came."""
         decoder = Decoder()
         answers = [packet for packet in decoder.feed(data) if packet.is_status]
-        by_id = {packet.servo_id: packet for packet in reversed(answers)}
+        by_id = self._in_their_places(data)
+        by_id |= {packet.servo_id: packet for packet in reversed(answers)}
         replies = {
             request.servo_id: _reply(by_id.get(request.servo_id), request, data)
             for request in self._requests
         }
         came = len(answers) + decoder.crc_errors
+        if all(reply.loss is None for reply in replies.values()):
+            return replies, False
         return replies, decoder.pending > 0 or came < len(self._requests)
+
+    def _in_their_places(self, data: bytes) -> dict[int, Packet]:
+        """Give answers whose beginning, which is known, is all that may be damaged."""
+        found: dict[int, Packet] = {}
+        if len(data) != self.reply_length:
+            return found
+        start = 0
+        for servo_id, (prefix, size) in zip(self.ids, self._frames, strict=True):
+            end, first = start + size, start + len(prefix)
+            crc = crc16(prefix + data[first : end - 2])
+            if crc == data[end - 2] | data[end - 1] << 8:
+                params = data[first + 1 : end - 2]
+                found[servo_id] = Packet(servo_id, Instruction.STATUS, params, data[first])
+            start = end
+        return found
 
     def _parse_any_fast(self, data: bytes) -> tuple[dict[int, Reply], bool]:
         """Find the part of a fast answer that can be trusted."""
@@ -223,6 +244,8 @@ class GroupRead:
         head = _FAST_PREFIX + bytes((length & 0xFF, length >> 8, Instruction.STATUS))
         start = data.find(head)
         frame = data[start:] if start >= 0 else b""
+        if start < 0 and len(data) == self.reply_length:  # what it begins with is known
+            frame = head + data[len(head) :]
         wanted = [(request.servo_id, request.length) for request in self._requests]
         blocks = {block.servo_id: block for block in parse_fast_reply(frame, wanted)}
         came = len(frame) if start >= 0 else len(data)

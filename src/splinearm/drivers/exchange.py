@@ -9,9 +9,11 @@ them is asked plainly.
 
 import logging
 import time
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 
@@ -91,6 +93,9 @@ class Exchange:
         self._load_unit = np.where(loaded, _LOAD_UNIT, np.nan)
         self._stats = {servo.servo_id: ServoStats() for servo in crew.leaders}
         self._reads = 0
+        self._asked = -inf
+        self._again: Counter[int] = Counter()
+        self._singles: dict[int, ReadPart] = {}
         self._nothing = (0,) * len(crew.targets)
         self.scale = scale
 
@@ -110,7 +115,7 @@ class Exchange:
         counts = self._bus.retries
         for servo_id, stats in self._stats.items():
             stats.reads = self._reads
-            stats.retries = counts.get(servo_id, 0)
+            stats.retries = counts.get(servo_id, 0) + self._again[servo_id]
         return self._stats
 
     @property
@@ -212,8 +217,10 @@ class Exchange:
             PortError: If the port is gone.
         """
         t = time.monotonic()
-        for servo_id, reply in self.sample(t).items():
-            raise self.error(servo_id, reply)
+        trouble = self.sample(t)
+        if trouble:
+            servo_id = min(trouble, key=lambda i: self._urgency(i, trouble[i]))
+            raise self.error(servo_id, trouble[servo_id])
         load, velocity, position = self._raw
         scale = self._of_leaders
         return JointState(
@@ -244,6 +251,10 @@ class Exchange:
                 self._take(part, answer, t, trouble)
             elif not part.take(answer, self._raw, self._t, t):
                 self._take(part, part.group.replies(answer), t, trouble)
+        before, self._asked = self._asked, t
+        for servo_id in [i for i, reply in trouble.items() if reply.loss is Loss.DAMAGED]:
+            if self._t[self._places[servo_id]] < before:  # for the second time in a row
+                self._ask_again(servo_id, t, trouble)
         return trouble
 
     def error(self, servo_id: int, reply: Reply) -> BusError:
@@ -257,6 +268,20 @@ class Exchange:
             with suppress(BusError):
                 status = self._bus.read(servo_id, register)
         return hardware_error(servo, status)
+
+    def _ask_again(self, servo_id: int, t: float, trouble: dict[int, Reply]) -> None:
+        """Ask one servo plainly whose answers came damaged: on a noisy line that often helps."""
+        if servo_id not in self._singles:
+            [self._singles[servo_id]] = single_reads(self._crew, self._roll, [servo_id])
+        self._again[servo_id] += 1
+        del trouble[servo_id]
+        part = self._singles[servo_id]
+        self._take(part, self._bus.sync_read(part.group), t, trouble)
+
+    def _urgency(self, servo_id: int, reply: Reply) -> tuple[bool, float, bool]:
+        """Say what comes first: hardware errors, who was not heard for longest, who is known."""
+        seen = float(self._t[self._places[servo_id]])
+        return reply.loss is not None, seen, reply.loss is Loss.HIDDEN
 
     def _take(
         self, part: ReadPart, replies: Mapping[int, Reply], t: float, trouble: dict[int, Reply]

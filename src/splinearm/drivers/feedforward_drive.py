@@ -27,11 +27,12 @@ import numpy as np
 
 from splinearm.arrays import FloatArray
 
+from .asking import read_all
 from .bus import ServoBus
 from .chain import ServoChain, ServoSpec
 from .model import ServoModel
 from .scaling import operating_mode
-from .startup import let_all_answer, read_all
+from .startup import let_all_answer
 
 CURRENT_POSITION_MODE = 5
 """Operating mode "current-based position"."""

@@ -9,6 +9,7 @@ import struct
 import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import exp, isnan, nan
 from typing import NoReturn
@@ -18,17 +19,21 @@ import numpy as np
 from splinearm.arrays import FloatArray
 from splinearm.errors import BusError, HealthError, ServoError
 
+from .ability import HARDWARE_ERROR, says_torque, torque_span, voltage_register
+from .asking import read_all
 from .bus import Reply, ServoBus, loss_error
 from .chain import ServoSpec
 from .cyclic import GroupRead
 from .groups import BulkRead
 from .health_limit import HealthLimits
 from .packets import ALERT_BIT
-from .startup import hardware_error, read_all
+from .startup import hardware_error
 
 _log = logging.getLogger(__name__)
 
-_LAYOUT = struct.Struct("<HB")  # input voltage, temperature
+_LAYOUTS = {2: struct.Struct("<HB"), 1: struct.Struct("<BB")}
+"""Supply and temperature, by the bytes of the supply."""
+_RAW_SHIFT = 8
 _ROUND = 1.0
 """How long a round of all servos takes, s."""
 _MEMORY = 0.5
@@ -116,8 +121,13 @@ class HealthWatch:
         self.limits = limits
         """By id what is borne."""
         self._period = _ROUND / (2 * len(self._servos)) if period is None else period
-        self._fares = [_reader(servo, "Present Input Voltage", _LAYOUT.size) for servo in servos]
-        self._torques = [_reader(servo, "Torque Enable", 1) for servo in servos]
+        supplies = [voltage_register(servo.servo_model) for servo in servos]
+        self._layouts = [_LAYOUTS[supply.size] for supply in supplies]
+        self._fares = [
+            _reader(servo, supply.address, layout.size)
+            for servo, supply, layout in zip(servos, supplies, self._layouts, strict=True)
+        ]
+        self._torques = [_reader(servo, *torque_span(servo.servo_model)) for servo in servos]
         self._next = 0
         self._asks_torque = False
         self._due = time.monotonic()
@@ -168,6 +178,7 @@ class HealthWatch:
         if t >= self._due:
             servo = self._servos[self._next]
             self._ask(t, torque=torque)
+            self._note_efforts()
             self._judge(servo)
 
     def suspect(self, servo_id: int) -> None:
@@ -196,13 +207,15 @@ class HealthWatch:
         for k in back:
             servo = self._servos[k]
             reply = self._bus.sync_read(self._torques[k])[servo.servo_id]
-            if torque and reply.loss is None and not reply.data[0]:
+            if torque and reply.loss is None and not says_torque(reply.data):
                 self._fall(_limp(servo))
 
     def _weigh(self, t: float, effort: FloatArray) -> None:
         """Let an effort count by the time since the last, from none at first; judge their mean."""
         share = 0.0 if isnan(self._effort_t) else 1.0 - exp(-(t - self._effort_t) / _MEMORY)
         known = np.where(np.isnan(self._effort), 0.0, self._effort)
+        if t - self._effort_t > _MEMORY:  # what was before a pause may be mended
+            known = np.fmin(known, effort)
         # after a pause the first word counts no more than others: who starts hard may do so
         mean = known + min(share, _FIRST_SHARE) * (effort - known)
         self._effort = np.where(np.isnan(effort), self._effort, mean)
@@ -227,14 +240,14 @@ class HealthWatch:
         self._missed = 0
         self._due = t + self._period
         if not self._asks_torque:
-            decivolt, degrees = _LAYOUT.unpack(reply.data)
+            decivolt, degrees = self._layouts[self._next].unpack(reply.data)
             reading = self._readings[servo.servo_id]
             reading.t, reading.voltage, reading.temperature = t, decivolt / 10.0, float(degrees)
         self._next = (self._next + 1) % len(self._servos)
         asked_torque, self._asks_torque = self._asks_torque, self._asks_torque ^ (self._next == 0)
         if reply.error & ALERT_BIT:
-            self._fall(self._latched(servo))
-        if asked_torque and torque and not reply.data[0]:
+            self._fall(self._latched(servo, reply.error >> _RAW_SHIFT))
+        if asked_torque and torque and not says_torque(reply.data):
             self._fall(_limp(servo))
 
     def _fall(self, error: BusError) -> NoReturn:
@@ -250,12 +263,13 @@ class HealthWatch:
                 reply, servo.servo_id, "Present Temperature", port=self._bus.port, name=servo.name
             )
 
-    def _latched(self, servo: ServoSpec) -> BusError:
-        register = servo.servo_model.table["Hardware Error Status"]
-        try:
-            status = self._bus.read(servo.servo_id, register)
-        except BusError:
-            status = 0
+    def _latched(self, servo: ServoSpec, told: int) -> BusError:
+        """Make the error of a servo that reports a hardware error; ``told`` is what it said."""
+        register = servo.servo_model.table.get(HARDWARE_ERROR)
+        status = told
+        if register is not None:
+            with suppress(BusError):
+                status = self._bus.read(servo.servo_id, register)
         return hardware_error(servo, status)
 
     def _judge(self, servo: ServoSpec) -> None:
@@ -344,7 +358,6 @@ def _limp(servo: ServoSpec) -> ServoError:
     )
 
 
-def _reader(servo: ServoSpec, register: str, length: int) -> GroupRead:
+def _reader(servo: ServoSpec, address: int, length: int) -> GroupRead:
     """Prepare a question to one servo."""
-    address = servo.servo_model.table[register].address
     return GroupRead([BulkRead(servo.servo_id, address, length)], fast=False)

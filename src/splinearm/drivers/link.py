@@ -163,7 +163,7 @@ class SerialLink:
         return PortError(
             self.port,
             f"the connection is lost ({cause})",
-            "check the cable and the power of the adapter, then start again",
+            "check the cable and the power of the adapter, then reconnect, or start again",
         )
 
 

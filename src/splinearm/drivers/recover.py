@@ -12,16 +12,12 @@ from dataclasses import dataclass
 
 from splinearm.errors import BusError, BusTimeoutError, ServoError
 
+from .ability import can_reboot, having, voltage_register
+from .asking import read_all, read_latched
 from .bus import ServoBus
 from .chain import ServoSpec
 from .health_limit import HealthLimits
-from .startup import (
-    check_settings,
-    hardware_error,
-    let_all_answer,
-    read_all,
-    write_ram_settings,
-)
+from .startup import check_settings, hardware_error, let_all_answer, write_ram_settings
 from .watchdog import let_go
 
 BOOT_TIMEOUT = 3.0
@@ -32,6 +28,7 @@ _PAUSE = 0.05
 _SETTLED = 0.15
 """After that time a servo has looked at its supply and temperature again, s: an estimate."""
 
+_LIMIT, _MOST = "Torque Limit", "Max Torque"
 _HOT, _FED, _ENCODER = "overheating", "input voltage", "motor encoder"
 
 
@@ -61,7 +58,7 @@ def find_faults(bus: ServoBus, servos: Sequence[ServoSpec]) -> tuple[Fault, ...]
     Raises:
         BusError: If a servo does not answer.
     """
-    status = read_all(bus, servos, "Hardware Error Status")
+    status = read_latched(bus, servos)
     return tuple(Fault(s, status[s.servo_id]) for s in servos if status[s.servo_id])
 
 
@@ -98,7 +95,8 @@ def require_recoverable(
                     f"{borne.temperature_warn:g} degC, then try again",
                 )
         if _FED in fault.causes:
-            volts = read_all(bus, [servo], "Present Input Voltage")[servo.servo_id] / 10.0
+            supply = voltage_register(servo.servo_model).name
+            volts = read_all(bus, [servo], supply)[servo.servo_id] / 10.0
             if not borne.voltage_low_stop < volts < borne.voltage_high_stop:
                 raise _refused(
                     fault,
@@ -129,19 +127,21 @@ def recover_servos(
 def reboot(bus: ServoBus, servos: Sequence[ServoSpec]) -> None:
     """Let servos start anew and wait until they answer, rid of their errors.
 
-    A shadow that obeys its leader's id too starts anew with its leader.
+    A shadow that obeys its leader's id too starts anew with its leader. Servos that know no reboot
+    are left to ``restore``.
 
     Raises:
         BusTimeoutError: If a servo does not come back.
         ServoError: If it is as ill as before.
     """
-    for servo in servos:
+    able = [servo for servo in servos if can_reboot(servo.servo_model)]
+    for servo in able:
         _begin_anew(bus, servo)
     deadline = time.monotonic() + BOOT_TIMEOUT
-    for servo in servos:
+    for servo in able:
         _await_answer(bus, servo, deadline)
-    time.sleep(_SETTLED)
-    for fault in find_faults(bus, servos):
+    time.sleep(_SETTLED if able else 0.0)
+    for fault in find_faults(bus, able):  # others say so until their torque is on again
         raise hardware_error(fault.servo, fault.status)
 
 
@@ -177,7 +177,21 @@ def restore(
     let_all_answer(bus, servos)
     check_settings(bus, servos)
     let_go(bus, servos)
+    _lift_torque_limit(bus, servos)
     write_ram_settings(bus, servos, leaders)
+
+
+def _lift_torque_limit(bus: ServoBus, servos: Sequence[ServoSpec]) -> None:
+    """Give servos back the Torque Limit that a hardware error took, with their torque off.
+
+    One that does not reboot would go for its old goal otherwise.
+    """
+    limited = having(servos, _LIMIT)
+    most = read_all(bus, limited, _MOST)
+    for servo in limited:
+        table = servo.servo_model.table
+        bus.write(servo.servo_id, table["Torque Enable"], 0)
+        bus.write(servo.servo_id, table[_LIMIT], most[servo.servo_id])
 
 
 def _await_answer(bus: ServoBus, servo: ServoSpec, deadline: float) -> None:

@@ -3,6 +3,7 @@
 import logging
 import time
 from collections.abc import Collection, Mapping, Sequence
+from math import inf
 from types import TracebackType
 from typing import Self, Unpack
 
@@ -14,25 +15,27 @@ from splinearm.joints import JointLimits, JointSetpoint, JointState
 
 from .arm_line import ArmLine, scale_of, whereabouts
 from .arm_option import ArmManner, ArmOptions, known_angles
+from .asking import read_torque
 from .bus import PingReply, ServoBus
 from .chain import ServoChain
 from .crew import Crew
+from .dialect import protocols_of
 from .health import HealthReading
 from .lead import GoalLead
 from .recover import Fault, find_faults, recover_servos, restore
 from .scaling import IntArray, operating_mode
 from .servo_stats import LastSeen, ServoStats
-from .stance import switch_off, switch_on, take_stance
+from .stance import take_stance
 from .startup import (
     call_roll,
     check_health,
     check_settings,
     let_all_answer,
-    read_all,
     require_calibration,
-    require_registers,
+    warn_of_promises,
     write_ram_settings,
 )
+from .torque import await_rest, switch_off, switch_on
 from .watchdog import Watchdog, warn_of_offsets
 
 _log = logging.getLogger(__name__)
@@ -74,21 +77,20 @@ class ServoArm:
         manner = ArmManner(**options)
         if tuple(joint_names) != limits.names:
             raise ValueError(f"limits: want those of {tuple(joint_names)}, got {limits.names}")
-        if chain.protocol != 2.0:
-            raise ValueError(f"chain: want servos of protocol 2.0, got {chain.protocol}")
         self._crew = Crew.of(chain, joint_names)
         for servo in self._crew.everyone:
-            require_registers(servo)
             operating_mode(servo)
         self._limits = limits
         self._near = known_angles(manner.near, limits.n)
         self._bus = bus
+        bus.speak(protocols_of(chain))
         self._hold_tolerance = manner.hold_tolerance
         self._lead = GoalLead(limits, manner.feedforward)
         self._watchdog = Watchdog(bus, self._crew.everyone, manner.watchdog)
         self._roll: Mapping[int, PingReply] = {}
         self._line: ArmLine | None = None
         self._on = False
+        self._missed_since = inf
 
     @property
     def n(self) -> int:
@@ -122,6 +124,11 @@ class ServoArm:
     def health(self) -> Mapping[int, HealthReading]:
         """By id how each servo fares: temperature, supply, current or load."""
         return self._require_line().health.readings
+
+    @property
+    def halted(self) -> bool:
+        """Whether nothing was sent for so long that servos may have stopped by themselves."""
+        return self._watchdog.lapsed
 
     @property
     def watchdog_trips(self) -> int:
@@ -166,12 +173,17 @@ class ServoArm:
                 That is raised once, and again after the next ``hold`` if it is still so.
         """
         line = self._require_line()
-        self._watchdog.feed(time.monotonic())
+        asked = time.monotonic()
+        self._watchdog.feed(asked)
         try:
             state = line.exchange.read()
         except BusTimeoutError as error:
             line.health.suspect(error.servo_id)
+            self._missed_since = min(self._missed_since, asked)
             raise
+        if self._missed_since < inf:
+            missed_since, self._missed_since = self._missed_since, inf
+            self._watchdog.require_going(missed_since)
         effort = np.where(np.isnan(state.current), line.exchange.load, state.current)
         line.health.look(state.t, effort, torque=self._on)
         return state
@@ -212,30 +224,13 @@ class ServoArm:
             BusError: After ``release``, if a servo does not answer.
         """
         line = self._require_line()
-        stopped = self._watchdog.revive() if self._watchdog.lapsed else frozenset[int]()
-        self._watchdog.disarm()
+        stopped = self._watchdog.revive()
         line.health.remind()
         if not self._on:
             self._switch_on()
             line.health.begin_anew()
             return
-        asked = time.monotonic()
-        try:
-            line.exchange.read()
-        except BusError as error:
-            _log.warning("holding: %s", error)
-        seen = line.exchange.last_seen
-        heard = seen.t >= asked
-        halted = heard & [servo.servo_id in stopped for servo in self._crew.leaders]
-        strayed = heard & ~halted & (np.abs(seen.q - line.goal) > self._hold_tolerance)
-        q = np.where(halted, seen.q, line.goal)
-        resting = self._lead.resting(q)
-        goal = self._lead.goal(resting)
-        if strayed.any():
-            goal = np.where(strayed, seen.q, goal)
-            q = self._lead.setpoint_at(goal)
-        ticks = line.scale.to_nearest_ticks(goal[line.joint_index])
-        self._send(line, ticks, q, self._lead.current(resting))
+        self._settle(line, stopped)
 
     def recover(self, near: ArrayInput | None = None) -> tuple[Fault, ...]:
         """Bring back servos that have stopped themselves or have lost their torque; hold.
@@ -259,7 +254,7 @@ class ServoArm:
         """
         line, crew = self._require_line(), self._crew
         self._watchdog.disarm()
-        torque = read_all(self._bus, crew.everyone, "Torque Enable")
+        torque = read_torque(self._bus, crew.everyone)
         ill = {fault.servo.servo_id for fault in find_faults(self._bus, crew.everyone)}
         known = whereabouts(
             self._bus, crew, line.scale, near, {i for i, on in torque.items() if on} | ill
@@ -294,7 +289,7 @@ class ServoArm:
         stopped = self._watchdog.stopped()
         self._watchdog.disarm()
         check_health(self._bus, everyone)
-        torque = read_all(self._bus, everyone, "Torque Enable")
+        torque = read_torque(self._bus, everyone)
         known = whereabouts(
             self._bus, self._crew, line.scale, near, {i for i, on in torque.items() if on}
         )
@@ -320,6 +315,7 @@ class ServoArm:
         check_settings(bus, crew.everyone)
         check_health(bus, crew.everyone)
         warn_of_offsets(crew.everyone)
+        warn_of_promises(crew.everyone)
         stopped = self._watchdog.stopped()
         self._watchdog.disarm()
         write_ram_settings(bus, crew.everyone, crew.led)
@@ -328,12 +324,15 @@ class ServoArm:
     def _take_up(self, line: ArmLine, near: FloatArray, stopped: Collection[int] = ()) -> None:
         """Give servos without torque their settings and, unless the arm is released, torque."""
         crew = self._crew
-        torque = read_all(self._bus, crew.everyone, "Torque Enable")
+        torque = read_torque(self._bus, crew.everyone)
         dark = [servo for servo in crew.everyone if not torque[servo.servo_id]]
         restore(self._bus, crew.with_coupled(dark), crew.led)
         line.exchange.lay_out([servo.servo_id for servo in dark])
         if self._on:
             self._switch_on(near, stopped)
+            if dark:
+                await_rest(self._bus, crew.leaders)
+            self._settle(line)
         line.health.begin_anew()
 
     def _switch_on(self, near: FloatArray | None = None, stopped: Collection[int] = ()) -> None:
@@ -343,14 +342,37 @@ class ServoArm:
             self._bus, crew, self._limits, self._hold_tolerance, near=near, stopped=stopped
         )
         scale = scale_of(crew, stance)
+        line = self._line
+        if line is None:
+            line = ArmLine.connect(self._bus, crew, self._roll, scale, self._lead)
+        line.exchange.scale = scale
+        stance = switch_on(self._bus, crew, stance)
         held = scale.first(self.n).to_q([stance.goals[s.servo_id] for s in crew.leaders])
-        goal = self._lead.setpoint_at(held)
-        if self._line is None:
-            self._line = ArmLine.connect(self._bus, crew, self._roll, scale, self._lead, goal)
-        else:
-            self._line.exchange.scale, self._line.goal = scale, goal
-        switch_on(self._bus, crew, stance)
-        self._on = True
+        line.goal = self._lead.setpoint_at(held)
+        self._line, self._on = line, True
+
+    def _settle(self, line: ArmLine, stopped: Collection[int] = ()) -> None:
+        """Keep the goals of joints that are near them; the others stay where they stand.
+
+        Those stay there too whose servos, by id, were stopped on their way.
+        """
+        asked = time.monotonic()
+        try:
+            line.exchange.read()
+        except BusError as error:
+            _log.warning("holding: %s", error)
+        seen = line.exchange.last_seen
+        heard = seen.t >= asked
+        halted = heard & [servo.servo_id in stopped for servo in self._crew.leaders]
+        strayed = heard & ~halted & (np.abs(seen.q - line.goal) > self._hold_tolerance)
+        q = np.where(halted, seen.q, line.goal)
+        resting = self._lead.resting(q)
+        goal = self._lead.goal(resting)
+        if strayed.any():
+            goal = np.where(strayed, seen.q, goal)
+            q = self._lead.setpoint_at(goal)
+        ticks = line.scale.to_nearest_ticks(goal[line.joint_index])
+        self._send(line, ticks, q, self._lead.current(resting))
 
     def _send(
         self, line: ArmLine, ticks: IntArray, q: FloatArray, current: FloatArray | None

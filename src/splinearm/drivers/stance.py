@@ -1,7 +1,4 @@
-"""Where an arm stands before its torque comes on, and how it comes on without a jump.
-
-On every way to torque each servo's goal is first written, then read back, to be where the servo is.
-"""
+"""Where an arm stands before its torque comes on: its joints' turns, and the goals that hold it."""
 
 import logging
 from collections.abc import Collection, Mapping, Sequence
@@ -10,15 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.errors import BusError, ServoError
+from splinearm.errors import ServoError
 from splinearm.joints import JointLimits
 from splinearm.units import DEG
 
+from .ability import range_registers
+from .asking import read_all, read_torque
 from .bus import ServoBus
 from .chain import ServoSpec
 from .crew import Crew
 from .scaling import ONE_TURN_MODE, operating_mode, position_range
-from .startup import read_all
 from .turn import fold, unwrapped_zero
 
 _log = logging.getLogger(__name__)
@@ -35,6 +33,8 @@ class Stance:
 
     goals: Mapping[int, int]
     """By id the goal at which the servo stays where it is, ticks."""
+    limp: frozenset[int]
+    """Ids of those among them whose joint nothing holds: it may be elsewhere by now."""
     energised: Mapping[int, bool]
     """By id of every servo whether its torque is on."""
     written: Mapping[int, int]
@@ -76,7 +76,7 @@ def take_stance(
             limits reach beyond those of the servo, or a shadow stands elsewhere than its leader.
     """
     everyone = crew.everyone
-    torque = {i: bool(on) for i, on in read_all(bus, everyone, "Torque Enable").items()}
+    torque = read_torque(bus, everyone)
     present = read_all(bus, everyone, "Present Position")
     goal = read_all(bus, everyone, "Goal Position")
     for servo in everyone:
@@ -88,77 +88,28 @@ def take_stance(
         _check_reach(servo, zeros[i], ranges[servo.servo_id], limits, i)
     _check_shadows(crew, present, zeros)
     goals: dict[int, int] = {}
+    limp: set[int] = set()
     for servo in crew.targets:
         number = servo.servo_id
         holders = [number, *(s.servo_id for s in crew.coupled if crew.leader_of(s) is servo)]
         still = [holder for holder in holders if torque[holder] and holder not in stopped]
         held = _held(still, goal, present, keep * servo.servo_model.pulses_per_rad)
         stays = present[number] if held is None else held
-        goals[number] = _within(servo, stays, ranges[number])
+        if any(torque[holder] for holder in holders):
+            goals[number] = within_range(servo, stays, ranges[number])
+        else:
+            goals[number] = stays
+            limp.add(number)
     bounds = np.array([ranges[servo.servo_id] for servo in crew.targets], dtype=np.float64)
     return Stance(
         goals=goals,
+        limp=frozenset(limp),
         energised=torque,
         written=goal,
         zero_ticks=np.array(zeros, dtype=np.float64),
         ticks_min=bounds[:, 0],
         ticks_max=bounds[:, 1],
     )
-
-
-def switch_on(bus: ServoBus, crew: Crew, stance: Stance) -> None:
-    """Write every goal, see that it was taken, then switch the torque on where it is off.
-
-    A servo that has torque and holds the goal that it shall have is not touched.
-
-    Raises:
-        BusError: If a servo does not answer or refuses.
-        ServoError: If a goal was not taken.
-    """
-    concerned = [servo for servo in crew.everyone if _is_concerned(servo, crew, stance)]
-    sources = [crew.leader_of(s) if s in crew.coupled else s for s in concerned]
-    for servo in crew.targets:
-        if servo in sources:
-            register = servo.servo_model.table["Goal Position"]
-            bus.write(servo.servo_id, register, stance.goals[servo.servo_id])
-    taken = read_all(bus, concerned, "Goal Position")
-    for servo in concerned:
-        source = crew.leader_of(servo) if servo in crew.coupled else servo
-        wanted = stance.goals[source.servo_id]
-        if taken[servo.servo_id] != wanted:
-            raise ServoError(
-                servo.servo_id,
-                f"Goal Position is {taken[servo.servo_id]} after {wanted} was written to servo "
-                f"{source.servo_id}; the torque stays as it was; reboot the servo",
-                name=servo.name,
-            )
-    for servo in concerned:
-        if not stance.energised[servo.servo_id]:
-            bus.write(servo.servo_id, servo.servo_model.table["Torque Enable"], 1)
-
-
-def switch_off(bus: ServoBus, crew: Crew) -> None:
-    """Switch the torque of every servo off, also if one of them does not answer.
-
-    Raises:
-        BusError: The first that occurred, after all were told.
-    """
-    first: BusError | None = None
-    for servo in crew.everyone:
-        try:
-            bus.write(servo.servo_id, servo.servo_model.table["Torque Enable"], 0)
-        except BusError as error:
-            _log.error("servo %d (%s): torque off: %s", servo.servo_id, servo.name, error)
-            first = first or error
-    if first is not None:
-        raise first
-
-
-def _is_concerned(servo: ServoSpec, crew: Crew, stance: Stance) -> bool:
-    """Tell whether a servo lacks torque, or its goal is not the one at which it stays."""
-    source = crew.leader_of(servo) if servo in crew.coupled else servo
-    number = servo.servo_id
-    return not stance.energised[number] or stance.written[number] != stance.goals[source.servo_id]
 
 
 def _held(
@@ -199,9 +150,12 @@ def _ranges(bus: ServoBus, crew: Crew) -> dict[int, tuple[int, int]]:
     """Give by id the goals that each target takes; in position mode the servo itself says."""
     ranges = {servo.servo_id: position_range(servo) for servo in crew.targets}
     one_turn = [servo for servo in crew.targets if operating_mode(servo) == ONE_TURN_MODE]
-    lows = read_all(bus, one_turn, "Min Position Limit")
-    highs = read_all(bus, one_turn, "Max Position Limit")
-    return ranges | {number: (lows[number], highs[number]) for number in lows}
+    kinds = {range_registers(servo.servo_model) for servo in one_turn}
+    for low, high in sorted(kinds):
+        alike = [s for s in one_turn if range_registers(s.servo_model) == (low, high)]
+        lows, highs = read_all(bus, alike, low), read_all(bus, alike, high)
+        ranges |= {number: (lows[number], highs[number]) for number in lows}
+    return ranges
 
 
 def _check_reach(
@@ -240,7 +194,7 @@ def _check_shadows(crew: Crew, present: Mapping[int, int], zeros: list[int]) -> 
             )
 
 
-def _within(servo: ServoSpec, ticks: int, span: tuple[int, int]) -> int:
+def within_range(servo: ServoSpec, ticks: int, span: tuple[int, int]) -> int:
     """Give the goal nearest to where a servo stands; refuse if that is too far to go unasked."""
     nearest = min(max(ticks, span[0]), span[1])
     beyond = abs(ticks - nearest) / servo.servo_model.pulses_per_rad

@@ -9,42 +9,36 @@ from collections.abc import Mapping, Sequence
 
 from splinearm.errors import BusTimeoutError, ServoError
 
-from .bus import PingReply, Reply, ServoBus, loss_error
+from .ability import broken_promises, can_reboot, having
+from .asking import read_all, read_latched
+from .bus import PingReply, ServoBus
 from .chain import ServoSpec
-from .cyclic import GroupRead, GroupWrite
-from .groups import BulkRead
+from .cyclic import GroupWrite
 from .model import servo_model_by_number
 from .registers import Area
 from .scaling import operating_mode
 
 _log = logging.getLogger(__name__)
 
-_TRIES = 3
 _NO_SECONDARY_ID = 253
 """From here on the Secondary(Shadow) ID means that there is none."""
-_NEEDED = (
-    "Operating Mode",
-    "Homing Offset",
-    "Bus Watchdog",
-    "Hardware Error Status",
-    "Present Input Voltage",
-    "Present Temperature",
-)
-"""Registers without which a servo cannot be led safely."""
+_DECISIVE = ("Drive Mode", "Operating Mode", "Control Mode", "Secondary(Shadow) ID")
+"""Registers that decide where a goal sends the arm, besides Homing Offset."""
+_JOINT_MODE = 2
+"""What Control Mode of an XL-320 is for a joint."""
+_PROFILE = ("Profile Acceleration", "Profile Velocity", "Moving Speed")
 _ANSWER_ALL = 2
 """Status Return Level at which every instruction is answered."""
 
 
-def require_registers(servo: ServoSpec) -> None:
-    """Refuse a servo that cannot be led and looked after like a joint.
-
-    Raises:
-        ValueError: With the registers that its model lacks.
-    """
-    model = servo.servo_model
-    missing = [name for name in _NEEDED if name not in model.table]
-    if missing:
-        raise ValueError(f"{model.name} cannot be a joint: it has no {' and no '.join(missing)}")
+def warn_of_promises(servos: Sequence[ServoSpec]) -> None:
+    """Say once what is promised of servos in general and cannot be of those with a small table."""
+    told: dict[str, list[str]] = {}
+    for servo in servos:
+        for words in broken_promises(servo):
+            told.setdefault(f"{servo.model} has {words}", []).append(servo.name)
+    for words, names in told.items():
+        _log.warning("%s: %s", ", ".join(names), words)
 
 
 def require_calibration(leaders: Sequence[ServoSpec]) -> None:
@@ -100,32 +94,6 @@ def let_all_answer(bus: ServoBus, servos: Sequence[ServoSpec]) -> None:
     bus.sync_write(GroupWrite(targets), [_ANSWER_ALL] * len(targets))
 
 
-def read_all(bus: ServoBus, servos: Sequence[ServoSpec], name: str) -> dict[int, int]:
-    """Read a register of many servos, trying again what is lost; give the values by id.
-
-    Raises:
-        BusError: If a servo gives no answer.
-    """
-    registers = {servo.servo_id: servo.servo_model.table[name] for servo in servos}
-    if not registers:
-        return {}
-    group = GroupRead(
-        [BulkRead(servo_id, r.address, r.size) for servo_id, r in registers.items()], fast=False
-    )
-    values: dict[int, int] = {}
-    replies: Mapping[int, Reply] = {}
-    for _ in range(_TRIES):
-        replies = bus.sync_read(group)
-        for servo_id, reply in replies.items():
-            if reply.loss is None:
-                values[servo_id] = registers[servo_id].decode(reply.data)
-        if len(values) == len(registers):
-            return values
-    lost = next(servo for servo in servos if servo.servo_id not in values)
-    reply = replies[lost.servo_id]
-    raise loss_error(reply, lost.servo_id, name, port=bus.port, name=lost.name)
-
-
 def check_settings(bus: ServoBus, servos: Sequence[ServoSpec]) -> None:
     """Refuse servos that are not set as the arm's file says.
 
@@ -135,26 +103,35 @@ def check_settings(bus: ServoBus, servos: Sequence[ServoSpec]) -> None:
     Raises:
         ServoError: With servo, register, what was found, what was wanted, and what helps.
     """
-    drive = read_all(bus, servos, "Drive Mode")
-    mode = read_all(bus, servos, "Operating Mode")
-    homing = read_all(bus, servos, "Homing Offset")
-    secondary = read_all(bus, servos, "Secondary(Shadow) ID")
-    for servo in servos:
-        number, settings = servo.servo_id, servo.settings
-        _agree(servo, "Drive Mode", drive[number], settings.get("Drive Mode", 0))
-        _agree(servo, "Operating Mode", mode[number], operating_mode(servo))
-        wanted = min(settings.get("Secondary(Shadow) ID", 255), _NO_SECONDARY_ID)
-        found = min(secondary[number], _NO_SECONDARY_ID)
-        _agree(servo, "Secondary(Shadow) ID", found, wanted)
-        if is_coupled(servo) and "Homing Offset" not in settings:
+    for name in _DECISIVE:
+        found = read_all(bus, having(servos, name), name)
+        for servo in having(servos, name):
+            _agree(servo, name, _known(name, found[servo.servo_id]), _wanted(servo, name))
+    homing = read_all(bus, having(servos, "Homing Offset"), "Homing Offset")
+    for servo in having(servos, "Homing Offset"):
+        if is_coupled(servo) and "Homing Offset" not in servo.settings:
             continue  # it makes up for how the shadow is mounted; where it stands is compared
-        _agree(servo, "Homing Offset", homing[number], settings.get("Homing Offset", 0))
+        wanted = servo.settings.get("Homing Offset", 0)
+        _agree(servo, "Homing Offset", homing[servo.servo_id], wanted)
     _tell_other_settings(bus, servos)
 
 
 def is_coupled(servo: ServoSpec) -> bool:
     """Say whether a servo also obeys what is sent to another id."""
     return servo.settings.get("Secondary(Shadow) ID", 255) < _NO_SECONDARY_ID
+
+
+def _wanted(servo: ServoSpec, name: str) -> int:
+    """Give what a register must hold that decides where a goal sends the arm."""
+    if name == "Operating Mode":
+        return operating_mode(servo)
+    usual = {"Control Mode": _JOINT_MODE, "Secondary(Shadow) ID": _NO_SECONDARY_ID}
+    return _known(name, servo.settings.get(name, usual.get(name, 0)))
+
+
+def _known(name: str, value: int) -> int:
+    """Take all values of a register alike that mean the same."""
+    return min(value, _NO_SECONDARY_ID) if name == "Secondary(Shadow) ID" else value
 
 
 def _agree(servo: ServoSpec, register: str, found: int, wanted: int) -> None:
@@ -170,7 +147,7 @@ def _agree(servo: ServoSpec, register: str, found: int, wanted: int) -> None:
 
 def _tell_other_settings(bus: ServoBus, servos: Sequence[ServoSpec]) -> None:
     """Warn of EEPROM settings that differ from the file."""
-    told = ("Drive Mode", "Operating Mode", "Homing Offset", "Secondary(Shadow) ID")
+    told = (*_DECISIVE, "Homing Offset")
     names = {
         name
         for servo in servos
@@ -199,7 +176,7 @@ def check_health(bus: ServoBus, servos: Sequence[ServoSpec]) -> None:
     Raises:
         ServoError: With the errors by name.
     """
-    status = read_all(bus, servos, "Hardware Error Status")
+    status = read_latched(bus, servos)
     for servo in servos:
         if status[servo.servo_id]:
             raise hardware_error(servo, status[servo.servo_id])
@@ -207,11 +184,13 @@ def check_health(bus: ServoBus, servos: Sequence[ServoSpec]) -> None:
 
 def hardware_error(servo: ServoSpec, status: int) -> ServoError:
     """Make the error of a servo that reports a hardware error."""
-    faults = " and ".join(servo.servo_model.hardware_errors(status)) or "an unknown fault"
+    model = servo.servo_model
+    faults = " and ".join(model.hardware_errors(status)) or "an unknown fault"
+    how = "reboots it" if can_reboot(model) else "gives it its Torque Limit again"
     return ServoError(
         servo.servo_id,
         f"it reports {faults} (Hardware Error Status 0x{status:02X}) and may have cut its torque; "
-        "remove the cause, support the arm, then recover it, which reboots it, or switch its power "
+        f"remove the cause, support the arm, then recover it, which {how}, or switch its power "
         "off and on",
         alert=True,
         name=servo.name,
@@ -235,7 +214,7 @@ def write_ram_settings(
     """
     for servo in servos:
         table = servo.servo_model.table
-        wanted = {"Profile Acceleration": 0, "Profile Velocity": 0}
+        wanted = {name: 0 for name in _PROFILE if name in table}
         leader = (leaders or {}).get(servo.servo_id)
         for source in (servo,) if leader is None else (leader, servo):
             settings = source.settings.items()

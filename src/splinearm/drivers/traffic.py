@@ -169,6 +169,7 @@ def gathered_traffic(
     gauges = {s.servo_id: Gauge.of(s.servo_model) for s in crew.leaders}
     spots = {i: _direct(gauge.registers, f"servo {i}") for i, gauge in gauges.items()}
     reads += _group_reads(crew, roll, gauges, spots, 1)
+    reads += single_reads(crew, roll, [i for i in gauges if i not in items and not _bulk(crew, i)])
     writes = direct.writes
     obedient = (*crew.targets, *crew.coupled)  # coupled servos obey what goes to their leaders
     fields = {
@@ -213,6 +214,8 @@ def _group_reads(
     """Make one read of the leaders that have a place and speak a protocol; none if none does."""
     servos = [s for s in crew.leaders if roll[s.servo_id].protocol == protocol]
     servos = [s for s in servos if s.servo_id in places]
+    if protocol == 1:
+        servos = [s for s in servos if _bulk(crew, s.servo_id)]
     if not servos:
         return ()
     requests = [_request(s, places[s.servo_id]) for s in servos]
@@ -234,6 +237,14 @@ def single_reads(
             group = OneRead(request, roll[servo.servo_id].protocol)
             parts.append(ReadPart(group, {servo.servo_id: gauge}, _order(crew)))
     return tuple(parts)
+
+
+def _bulk(crew: Crew, servo_id: int) -> bool:
+    """Say whether a leader may know bulk reads in Protocol 1.0: those that speak only that do not.
+
+    Source: ROBOTIS e-Manual, "DYNAMIXEL Protocol 1.0", Bulk Read: of the old models only MX.
+    """
+    return any(s.servo_id == servo_id and 2 in s.servo_model.protocols for s in crew.leaders)
 
 
 def _order(crew: Crew) -> dict[int, int]:

@@ -11,10 +11,14 @@ import time
 from collections.abc import Sequence
 from math import ceil
 
+from splinearm.errors import ServoError
+
+from .ability import WATCHDOG, having
 from .bus import Loss, ServoBus
 from .chain import ServoSpec
 from .cyclic import GroupRead, GroupWrite
 from .groups import BulkRead
+from .link import BITS_PER_BYTE
 from .scaling import ONE_TURN_MODE, operating_mode
 
 _log = logging.getLogger(__name__)
@@ -25,6 +29,8 @@ _TRIPPED = 0xFF
 _TRIES = 3
 _WAITS = 3.0
 """How many lost answers may be waited for, one after the other, before the watchdog trips."""
+_CYCLE_BYTES, _SERVO_BYTES = 36, 20
+"""What is on the wire in a cycle: a read of all, its answer and the goals."""
 
 
 class Watchdog:
@@ -32,10 +38,11 @@ class Watchdog:
 
     Args:
         bus: The bus.
-        servos: The servos.
+        servos: The servos; those without a watchdog of their own are left alone.
         timeout: Silence after which they stop, s, rounded up to 20 ms; None: they never do. Where
             the bus waits for long until an answer counts as lost it is longer, three such waits:
-            one dead servo would stop all others otherwise.
+            one dead servo would stop all others otherwise. So it is where a cycle takes the wire
+            long.
 
     Raises:
         ValueError: If the servos cannot count that time.
@@ -43,20 +50,24 @@ class Watchdog:
 
     def __init__(self, bus: ServoBus, servos: Sequence[ServoSpec], timeout: float | None) -> None:
         units = 0 if timeout is None else ceil(timeout / _UNIT - 1e-9)
-        needed = ceil(_WAITS * bus.margin / _UNIT - 1e-9)
+        cycle = (_CYCLE_BYTES + _SERVO_BYTES * len(servos)) * BITS_PER_BYTE / bus.baud
+        needed = ceil(_WAITS * max(bus.margin, cycle) / _UNIT - 1e-9)
         if timeout is not None and not 1 <= units <= _LONGEST:
             raise ValueError(
                 f"watchdog: want above 0 and at most {_LONGEST * _UNIT:g} s or None, got {timeout}"
             )
         self._bus = bus
+        able = having(servos, WATCHDOG)
+        units = units if able else 0
         if 0 < units < needed:
             units = min(needed, _LONGEST)
-            _log.info("lost answers take long here: the watchdog waits %.2g s", units * _UNIT)
+            _log.info("this bus is slow: the watchdog waits %.2g s", units * _UNIT)
         self._units = units
-        self._names = {servo.servo_id: servo.name for servo in servos}
-        places = [(s.servo_id, s.servo_model.table["Bus Watchdog"]) for s in servos]
-        self._writer = GroupWrite(places)
-        self._reader = GroupRead([BulkRead(i, r.address, r.size) for i, r in places], fast=False)
+        self._names = {servo.servo_id: servo.name for servo in able}
+        places = [(s.servo_id, s.servo_model.table[WATCHDOG]) for s in able]
+        self._writer = GroupWrite(places) if able else None
+        requests = [BulkRead(i, r.address, r.size) for i, r in places]
+        self._reader = GroupRead(requests, fast=False) if able else None
         self._fed = 0.0
         self._missed = False
         self.armed = False
@@ -99,6 +110,8 @@ class Watchdog:
 
         Such a servo reads 255 there; it stands where it was stopped, whatever its goal says.
         """
+        if self._reader is None:
+            return frozenset()
         replies = self._bus.sync_read(self._reader)
         return frozenset(
             servo_id
@@ -106,9 +119,29 @@ class Watchdog:
             if reply.loss is None and reply.data[0] == _TRIPPED
         )
 
+    def require_going(self, since: float) -> None:
+        """Refuse servos that it has stopped, each by itself, because they heard nothing.
+
+        Args:
+            since: Since when some were not heard, s on the monotonic clock.
+
+        Raises:
+            ServoError: If it was long enough, and a servo says that it has stopped.
+        """
+        if not self._units or time.monotonic() - since < 0.5 * self._units * _UNIT:
+            return
+        for servo_id in sorted(self.stopped()):
+            raise ServoError(
+                servo_id,
+                "it heard nothing for so long that its watchdog has stopped it; check its cable, "
+                "then hold, which lets it go on from where it stands",
+                alert=True,
+                name=self._names[servo_id],
+            )
+
     def revive(self) -> frozenset[int]:
-        """Disarm it after a silence; tell and give the servos it had stopped."""
-        stopped = self.stopped()
+        """Disarm it, after a silence or in the end; tell and give the servos it had stopped."""
+        stopped = self.stopped() if self._units else frozenset[int]()
         self.trips += len(stopped)
         if stopped:
             names = [self._names[servo_id] for servo_id in self._names if servo_id in stopped]
@@ -118,6 +151,8 @@ class Watchdog:
 
     def _set(self, units: int) -> None:
         """Write to all and see that those who answer have taken it."""
+        if self._writer is None or self._reader is None:
+            return
         stubborn: list[str] = []
         for _ in range(_TRIES):
             self._bus.sync_write(self._writer, [units] * len(self._names))
@@ -159,5 +194,5 @@ def let_go(bus: ServoBus, servos: Sequence[ServoSpec]) -> None:
     Raises:
         BusError: If a servo does not answer or refuses.
     """
-    for servo in servos:
-        bus.write(servo.servo_id, servo.servo_model.table["Bus Watchdog"], 0)
+    for servo in having(servos, WATCHDOG):
+        bus.write(servo.servo_id, servo.servo_model.table[WATCHDOG], 0)

@@ -1,0 +1,293 @@
+"""What goes wrong on the line, in the computer and in how servos are set up."""
+
+from fault_row import (
+    ASKED_FOR,
+    GOES_ON,
+    HALTS,
+    MEND_AND_RECONNECT,
+    REFUSES,
+    STOPS,
+    Fault,
+    cut_cable,
+    have,
+    line,
+    mend_cable,
+    pause,
+    plug_in_elsewhere,
+    reconnect,
+    reconnect_elsewhere,
+    servo,
+    set_up_again,
+    unplug,
+    wait,
+    write,
+)
+
+from splinearm.sim.choice import TripStop
+
+LINE = (
+    Fault(
+        name="a reply is lost",
+        strike=line("lost", servo_id=2, times=1),
+        outcome=GOES_ON,
+    ),
+    Fault(
+        name="three replies in a row are lost",
+        strike=line("lost", servo_id=2, times=3),
+        outcome=GOES_ON,
+        says=f"joint 'joint2' gave no answer for 3 cycles: servo 2 (joint2) {ASKED_FOR}",
+        dead=2,
+    ),
+    Fault(
+        name="a byte of a reply is corrupted",
+        strike=line("corrupt", servo_id=1, times=1),
+        outcome=GOES_ON,
+        more="the servo's CRC errors are counted",
+    ),
+    Fault(
+        name="a reply is cut short",
+        strike=line("truncated", servo_id=1, times=1),
+        outcome=GOES_ON,
+    ),
+    Fault(
+        name="a reply comes twice",
+        strike=line("doubled", servo_id=1, times=1),
+        outcome=GOES_ON,
+    ),
+    Fault(
+        name="replies come 4 ms late",
+        strike=line("late", servo_id=1, seconds=0.004),
+        outcome=GOES_ON,
+    ),
+    Fault(
+        name="a reply comes 50 ms late, among those to later questions",
+        strike=line("late", servo_id=1, times=1, seconds=0.05),
+        outcome=GOES_ON,
+    ),
+    Fault(
+        name="the adapter hears itself: every packet comes back",
+        strike=line("echo"),
+        outcome=GOES_ON,
+    ),
+    Fault(
+        name="noise before every reply of a servo",
+        strike=line("noise", servo_id=1, size=5),
+        outcome=GOES_ON,
+    ),
+    Fault(
+        name="one byte in a hundred is corrupted, all the time",
+        strike=line("garbled", probability=0.01),
+        outcome=GOES_ON,
+        more="a cycle in which a servo was not understood is bridged by the plan",
+    ),
+)
+
+SILENCE = (
+    Fault(
+        name="a servo is silent for 20 ms",
+        strike=line("dead", servo_id=2, lasting=0.02),
+        outcome=GOES_ON,
+    ),
+    Fault(
+        name="a servo is silent for 300 ms",
+        strike=line("dead", servo_id=2, lasting=0.3),
+        outcome=STOPS,
+        more="the silent servo is stopped by its own watchdog",
+        says=f"no feedback for 40 ms (allowed 30 ms): servo 2 (joint2) {ASKED_FOR}",
+        astray=(2,),
+        dead=2,
+        remedy="go on",
+    ),
+    *(
+        Fault(
+            name=f"a servo is dead, {which} of a fast read",
+            strike=servo(number, have(unplugged=True)),
+            outcome=STOPS,
+            more="the dead one is stopped by its own watchdog if it has power",
+            says=f"gave no answer for 3 cycles: servo {number} ({joint}) {ASKED_FOR}",
+            arm="wx250s",
+            astray=(number,),
+            dead=number,
+            remedy=MEND_AND_RECONNECT,
+            mend=(servo(number, have(unplugged=False)), reconnect),
+        )
+        for which, number, joint in (
+            ("the first", 1, "waist"),
+            ("in the middle", 4, "elbow"),
+            ("the last", 8, "wrist_rotate"),
+        )
+    ),
+    Fault(
+        name="the whole bus is silent",
+        strike=cut_cable,
+        outcome=HALTS,
+        more="within 60 ms; the loop ends as if it stopped along the path",
+        says="no servo answers",
+        astray=(1, 2),
+        remedy=MEND_AND_RECONNECT,
+        mend=(wait(0.3), mend_cable, reconnect),
+    ),
+    Fault(
+        name="the port vanishes and comes back under another name",
+        strike=unplug,
+        outcome=HALTS,
+        more="within 60 ms",
+        says="the arm can no longer be told where to go: port /dev/ttyUSB0: the connection is lost",
+        astray=(1, 2),
+        remedy="plug it in, `reconnect(port)`, go on; udev's adapters are found without a name",
+        mend=(wait(0.3), plug_in_elsewhere, reconnect_elsewhere),
+    ),
+    *(
+        Fault(
+            name=f"a servo obeys but is not heard ({joint} of the {arm})",
+            strike=servo(number, have(mute=True)),
+            outcome=STOPS,
+            says=f"joint '{joint}' gave no answer for 3 cycles: servo {number} ({joint})",
+            arm=arm,
+            dead=number,
+            remedy=MEND_AND_RECONNECT,
+            mend=(servo(number, have(mute=False)), reconnect),
+        )
+        for arm, number, joint in (("planar_2r", 2, "joint2"), ("wx250s", 4, "elbow"))
+    ),
+    Fault(
+        name="status return level 1, set by another program on the way",
+        strike=servo(2, write(Status_Return_Level=1)),
+        outcome=GOES_ON,
+    ),
+    Fault(
+        name="status return level 0, set by another program on the way",
+        strike=servo(2, write(Status_Return_Level=0)),
+        outcome=STOPS,
+        says=f"servo 2 (joint2) {ASKED_FOR}",
+        dead=2,
+        remedy="`reconnect()`, which sets it to 2, go on",
+        mend=(reconnect,),
+    ),
+)
+
+COMPUTER = (
+    Fault(
+        name="the computer pauses for 25 ms",
+        strike=pause(0.025),
+        outcome=GOES_ON,
+        more="0.2 mm further off the path than usual while it catches up",
+        tool_loose=0.2e-3,
+    ),
+    Fault(
+        name="the computer pauses for 50 ms, the servos' watchdog waits for 100 ms",
+        strike=pause(0.05),
+        options={"watchdog": 0.1},
+        outcome=STOPS,
+        more="up to 0.3 mm further off it than usual",
+        says="no feedback for 50 ms (allowed 30 ms): the computer was busy",
+        remedy="close other programs, go on",
+        tool_loose=0.3e-3,
+    ),
+    Fault(
+        name="the servos' watchdog trips: the computer pauses for 50 ms",
+        strike=pause(0.05),
+        outcome=HALTS,
+        more="within 60 ms",
+        says="no feedback for 50 ms (allowed 30 ms): the computer was busy",
+        astray=(1, 2),
+        remedy="close other programs, go on",
+    ),
+    Fault(
+        name="the servos' watchdog trips: the computer pauses for 300 ms",
+        strike=pause(0.3),
+        outcome=HALTS,
+        more="within 60 ms",
+        says="the bus was silent; the watchdog had stopped joint1, joint2",
+        astray=(1, 2),
+        remedy="close other programs, go on",
+    ),
+    Fault(
+        name="the watchdog trips and the servos go on to their goals (as an XC330 was seen to)",
+        strike=pause(0.3, TripStop.GO_ON),
+        outcome=HALTS,
+        more="at their last goals, after swinging for up to 0.4 s",
+        settles=0.4,
+        says="the bus was silent; the watchdog had stopped joint1, joint2",
+        astray=(1, 2),
+        remedy="close other programs, go on",
+    ),
+    Fault(
+        name="the watchdog trips and moves servos by their homing offset (as an XM540 was seen to)",
+        strike=pause(0.3, TripStop.BY_HOMING_OFFSET),
+        options={"registers": {"Homing Offset": 57}},
+        outcome=HALTS,
+        more="away from the path by the offset, which is warned of on entering",
+        says="with a Homing Offset of 57 in position mode it may move by that",
+        astray=(1, 2),
+        settles=0.7,
+        remedy="set Homing Offset to 0 and zero_ticks lower by as much, go on",
+    ),
+    Fault(
+        name="the USB adapter holds bytes back for 16 ms",
+        strike=lambda scene: None,
+        early=True,
+        options={"usb_latency": 0.016},
+        outcome=GOES_ON,
+        more="at the rate that can be held, 50 Hz",
+        rate=50.0,
+        remedy="set its latency_timer to 1, as is said on opening the port",
+    ),
+)
+
+START = (
+    Fault(
+        name="return delay time 500 us",
+        strike=servo(2, write(Return_Delay_Time=250)),
+        early=True,
+        outcome=GOES_ON,
+        says="Return Delay Time is 250, the arm's file says 0",
+        remedy="set it to 0 for a quicker cycle",
+    ),
+    Fault(
+        name="firmware too old for fast reads",
+        strike=lambda scene: (
+            scene.servo(1).reflash(44),
+            scene.servo(2).reflash(44),
+            scene.wait(0.5),
+        ),
+        early=True,
+        outcome=GOES_ON,
+        more="with plain sync reads",
+        remedy="update the firmware for a quicker cycle",
+    ),
+    Fault(
+        name="status return level 0 or 1",
+        strike=servo(2, write(Status_Return_Level=0)),
+        early=True,
+        outcome=GOES_ON,
+        more="the level is set to 2",
+    ),
+    Fault(
+        name="two servos with one id",
+        strike=servo(1, write(ID=2)),
+        early=True,
+        outcome=REFUSES,
+        says="servo 1 (joint1) does not answer",
+        remedy="give each servo the id of the arm's file",
+        mend=(servo(1, write(ID=1)),),
+    ),
+    Fault(
+        name="wrong baud rate or id: a swapped servo",
+        strike=lambda scene: (scene.servo(2).swap(), scene.wait(0.5)),
+        early=True,
+        outcome=REFUSES,
+        says="servo 2 (joint2) does not answer",
+        remedy="give it the id, baud rate and settings of the arm's file, find its zero",
+        mend=(set_up_again(2),),
+    ),
+    Fault(
+        name="a latched hardware error",
+        strike=servo(2, lambda one: one.fail("overload")),
+        early=True,
+        outcome=REFUSES,
+        says="servo 2 (joint2): it reports overload",
+        remedy="`splinearm recover ARM`",
+        mend=(servo(2, lambda one: one.reboot()), wait(0.5)),
+    ),
+)
