@@ -52,6 +52,8 @@ class Station:
     """The arm's time."""
     where: str
     """What moves, in words."""
+    feedforward: "ServoFeedforward | None" = None
+    """By what the goals of its servos are ahead; None: by nothing."""
 
 
 @contextmanager
@@ -129,11 +131,12 @@ def _open_mujoco(cell: Cell, q_start: FloatArray | None, *, realtime: bool) -> I
 def _open_servos(
     cell: Cell, port: str, ahead: _Ahead, margin: float = _USB_MARGIN
 ) -> Iterator[Station]:
+    from splinearm.drivers.dialect import protocols_of
     from splinearm.drivers.dynamixel import DynamixelBus
     from splinearm.drivers.servo_arm import ServoArm
 
     chain, names = require_chain(cell), cell.arm.joint_names
-    bus = DynamixelBus(port, chain.baud, margin=margin)
+    bus = DynamixelBus(port, chain.baud, margin=margin, protocols=protocols_of(chain))
     try:
         feedforward = _feedforward(cell, chain, ahead, bus)
         limits, silence = cell.arm.limits, ahead.silence
@@ -142,7 +145,9 @@ def _open_servos(
         bus.close()
         raise
     with arm:
-        yield Station(driver=arm, clock=WallClock(), where=f"servos on {port}")
+        yield Station(
+            driver=arm, clock=WallClock(), where=f"servos on {port}", feedforward=feedforward
+        )
 
 
 def _feedforward(

@@ -161,7 +161,8 @@ def test_a_run_that_is_stopped_on_its_way_to_the_start_says_just_that(cli, monke
             os.kill(os.getpid(), signal.SIGINT)
 
     monkeypatch.setattr(output.console, "print", stop_at_once)
-    words = ("--csv", "rows.csv", "--plot", "run.png")
+    # in real time: what is announced is printed beside the loop, some milliseconds later
+    words = ("--csv", "rows.csv", "--plot", "run.png", "--realtime")
     assert cli("run", cli.job(), *words) == INTERRUPTED
     assert "stopped on the way to the start" in cli.out
     assert "nan" not in cli.out

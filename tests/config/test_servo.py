@@ -177,7 +177,7 @@ def test_an_initial_value_outside_the_bounds_may_be_written(arm_text, written, e
             "known from 11.1 to 14.8 V, got 5",
         ),
         (("[bus]", "[bus]\nbaud = 123"), "bus.baud", "want one of 9600.*got 123"),
-        (("[bus]", "[bus]\nprotocol = 3"), "bus.protocol", "speaks 2.0 or 1.0, got 3"),
+        (("[bus]", "[bus]\nprotocol = 3"), "bus.protocol", "there are 1.0 and 2.0, got 3"),
         (
             ("[bus]", "[bus]\nport = 3"),
             "bus.port",

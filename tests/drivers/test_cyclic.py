@@ -227,5 +227,5 @@ def test_servos_that_answered_damaged_are_asked_in_a_fast_read_again():
     one = group(fast=True)
     damaged = Reply(b"", 0, Loss.DAMAGED)
     for _ in range(4):
-        one.learn({i: damaged for i in IDS})
+        one.learn(dict.fromkeys(IDS, damaged))
         assert one.fast

@@ -72,6 +72,16 @@ def test_in_current_based_position_mode_the_current_stays_within_its_limit(speed
     assert made.current(made.tick(2000, speed), speed) == pytest.approx(0.4)
 
 
+@pytest.mark.parametrize("speed", [-1000.0, 0.0, 1000.0])
+def test_in_current_based_position_mode_the_error_asks_for_a_current_at_any_speed(speed):
+    made = law(mode=Mode.CURRENT_POSITION, current_unit=2.69e-3)
+    made.aim_at(2020.0)
+    wanted = 20 * 6.25 * 2.69e-3
+    assert made.current(made.tick(2000, speed), speed) == pytest.approx(wanted)
+    made.strength = 0.8
+    assert made.current(made.tick(2000, speed), speed) == pytest.approx(wanted)
+
+
 def test_in_current_mode_the_motor_has_the_goal_current_at_any_speed():
     made = law(mode=Mode.CURRENT)
     made.goal_current = -0.5

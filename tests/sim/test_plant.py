@@ -31,6 +31,20 @@ def test_shafts_are_where_the_joints_are(make_arm):
     assert plant.speed == max(abs(d.shaft.speed) for d in both) > 0.0
 
 
+def test_who_is_pushed_moves_until_the_push_ends(make_arm):
+    plant = ArmPlant(make_arm(2), drives("j0", "j1"), np.zeros(2))
+    plant.push([1.0, 0.0])
+    run(plant, 100)
+    pushed = plant.q[0]
+    assert pushed > 0.01
+    plant.push(None)
+    before = plant.speed
+    run(plant, 100)
+    assert plant.speed < before
+    with pytest.raises(ValueError, match="torques"):
+        plant.push([1.0])
+
+
 def test_cut_off_the_arm_falls_and_at_zero_duty_the_motor_brakes(make_arm):
     fallen = []
     for duty in (None, 0.0):

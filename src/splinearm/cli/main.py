@@ -12,9 +12,16 @@ import sys
 from collections.abc import Sequence
 from typing import Protocol
 
-from splinearm.errors import MotionError, SplinearmError, StartError
+from splinearm.errors import (
+    BusTimeoutError,
+    MotionError,
+    PacketError,
+    PortError,
+    SplinearmError,
+    StartError,
+)
 
-from . import arms, demo, gcode, plan, recover, run, scan, virtual_bus
+from . import arms, demo, doctor, gcode, guide, plan, recover, run, scan, toolpath, virtual_bus
 
 DONE, FAULT, REFUSED, INTERRUPTED = 0, 1, 2, 130
 
@@ -27,7 +34,10 @@ class _Command(Protocol):
         ...
 
 
-_COMMANDS: tuple[_Command, ...] = (demo, run, plan, gcode, arms, scan, recover, virtual_bus)
+_COMMANDS: tuple[_Command, ...] = (
+    *(demo, run, plan, toolpath, gcode, arms),
+    *(doctor, scan, recover, guide, virtual_bus),
+)
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -67,11 +77,23 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return int(args.run(args))
     except SplinearmError as error:
-        print(f"splinearm: {error}", file=sys.stderr)
+        print(f"splinearm: {_in_words(error, args)}", file=sys.stderr)
         return FAULT if isinstance(error, MotionError) and not _unmoved(error) else REFUSED
     except KeyboardInterrupt:
         print("splinearm: stopped", file=sys.stderr)
         return INTERRUPTED
+
+
+def _in_words(error: SplinearmError, args: argparse.Namespace) -> str:
+    """Give an error in one line; of a line that is silent or garbled with its cause."""
+    if not isinstance(error, BusTimeoutError | PacketError | PortError):
+        return str(error)
+    from splinearm.doctor.first_aid import explained
+
+    port = getattr(args, "port", None) or getattr(args, "on", None)
+    return explained(
+        error, port=port, arm=getattr(args, "arm", None), job=getattr(args, "job", None)
+    )
 
 
 def _unmoved(error: MotionError) -> bool:

@@ -30,6 +30,7 @@ def run(args: argparse.Namespace) -> int:
     """Look, reboot, hold."""
     from splinearm.backends import require_chain
     from splinearm.config import load_cell
+    from splinearm.drivers.dialect import protocols_of
     from splinearm.drivers.dynamixel import DynamixelBus
     from splinearm.errors import ConfigError
 
@@ -38,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
     port = args.port or chain.usual_port
     if port is None:
         raise ConfigError(cell.file, "bus.usual_port", "says no port; name one with --port")
-    bus = DynamixelBus(port, chain.baud)
+    bus = DynamixelBus(port, chain.baud, protocols=protocols_of(chain))
     try:
         faults = mend(bus, cell, look=args.look)
     except BaseException:

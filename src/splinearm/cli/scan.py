@@ -3,6 +3,7 @@
 import argparse
 
 _BAUDS = (57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000)
+"""Rates at which servos are usually found."""
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -10,7 +11,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser = commands.add_parser(
         "scan",
         help="list the servos that answer on a port",
-        description="List the servos that answer on a serial port (protocol 2.0).",
+        description="List the servos that answer on a serial port, in protocols 1.0 and 2.0.",
     )
     parser.add_argument("port", help="the serial port, such as /dev/ttyUSB0")
     parser.add_argument(
@@ -39,7 +40,14 @@ def run(args: argparse.Namespace) -> int:
         )
         return 2
     rows = [
-        (str(servo.servo_id), servo.model, str(servo.firmware), str(servo.baud)) for servo in found
+        (
+            str(servo.servo_id),
+            servo.model,
+            str(servo.firmware),
+            str(servo.baud),
+            f"{servo.protocol}.0",
+        )
+        for servo in found
     ]
-    console.print(table(("id", "model", "firmware", "baud"), rows))
+    console.print(table(("id", "model", "firmware", "baud", "protocol"), rows))
     return 0

@@ -25,6 +25,8 @@ _NOT_FOR_FILES = frozenset(
 )
 """Registers that stand elsewhere in the file, or that the driver writes itself."""
 
+_PROTOCOLS = (1.0, 2.0)
+
 _TURNS = 256
 """How far from its centre a servo counts its position, turns."""
 
@@ -104,16 +106,17 @@ def read_servos(bus: Table, tables: Sequence[Table], joints: Sequence[str]) -> t
 
 
 def read_chain(bus: Table, servos: Sequence[Servo]) -> ServoChain | None:
-    """Read the rest of ``[bus]`` and give the chain of servos that hang on it, None without any."""
+    """Read the rest of ``[bus]`` and give the chain of servos that hang on it, None without any.
+
+    Its protocol is that of servos that can speak both; others speak the one that they know.
+    """
     baud = bus.integer("baud", 1_000_000)
     protocol = bus.number("protocol", 2.0)
+    if protocol not in _PROTOCOLS:
+        raise bus.refuse("protocol", f"there are 1.0 and 2.0, got {protocol:g}")
     for servo in servos:
-        model = servo.spec.servo_model
         with bus.blaming("baud"):
-            model.baud_code(baud)
-        if protocol not in model.protocols:
-            known = " or ".join(f"{version}.0" for version in model.protocols)
-            raise bus.refuse("protocol", f"{model.name} speaks {known}, got {protocol:g}")
+            servo.spec.servo_model.baud_code(baud)
     port = bus.text("usual_port") if "usual_port" in bus else None
     bus.finish()
     if not servos:

@@ -9,6 +9,8 @@ Chosen as well, but not switchable:
 - the loop runs at 1 kHz, D acts on the trajectory's velocity less the measured one, and the sum of
   I stops where it alone gives full duty (``law``); gains of P servos are scaled as those of X;
 - Goal PWM and Goal Current begin at 0 in the modes that follow them (``wide_controls``);
+- the gains of mode 5, of which the manual gives no numbers: D brakes there as the motor's own
+  voltage does in the other modes (``wide_controls``);
 - PWM Slope of an XL330 counts on its nominal supply (``wide_controls``);
 - what P, I and D of an XL-320 do to the output (``narrow_controls``), and what it and an AX-12A
   read where their manual says "invalid angle" (``horn``);

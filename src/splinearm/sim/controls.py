@@ -71,6 +71,10 @@ class Controls(Protocol):
         """Set the goals so that nothing moves, and those that limit the mode to their limits."""
         ...
 
+    def reset_gains(self) -> None:
+        """Give the gains the values of the mode."""
+        ...
+
     def change_mode(self) -> None:
         """Let a new mode have its effect on other registers."""
         ...

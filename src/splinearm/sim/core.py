@@ -246,6 +246,7 @@ class ServoCore:
         if self.torque_on:
             self.release(cause)
         memory.reset(memory.of(Area.RAM))
+        controls.reset_gains()
         for name, value in kept.items():
             memory[name] = value
         self.shut_down = False

@@ -1,7 +1,9 @@
 """The control loop inside a servo: goals in, duty of the motor out, once a millisecond.
 
-Gains are scaled as the manual says and act on ticks and milliseconds, giving PWM units. That the
-loop runs at 1 kHz and that D acts on the trajectory's velocity less the measured one are
+Gains are scaled as the manual says and act on ticks and milliseconds, giving PWM units. In mode 5
+they give units of Goal Current: the controller calculates a target current, Goal Current limits it,
+and a current controller makes the PWM of it, so that the motor's own voltage brakes nothing. That
+the loop runs at 1 kHz and that D acts on the trajectory's velocity less the measured one are
 assumptions: the manual is silent. The stiffness that follows for an XM430-W350 at its default P
 gain, 18.9 N m/rad, agrees with the 21.1 N m/rad of the MuJoCo Menagerie model of ROBOTIS OP3.
 Source: ROBOTIS e-Manual, "Position PID Gain", "Velocity PI Gain", "Current-based Position Control".
@@ -54,6 +56,8 @@ class LawSettings:
     """Profile acceleration, ticks/s2; 0: none. Time-based: time of a ramp, s."""
     time_based: bool
     """Whether the profile is given by its times."""
+    current_unit: float = 1.0
+    """A unit of the current that the position's controller asks for in mode 5, A."""
     slew: float = inf
     """Most by which the duty may change in a millisecond."""
     compliance: Compliance | None = None
@@ -169,16 +173,15 @@ class ServoLaw:
         if self._brake is not None:
             duty = self._braked(self._brake, position, speed)
         elif s.mode in POSITION_MODES:
-            duty = self._follow(position, speed) / s.full_pwm
-            if s.current_limit < inf:
-                back = speed / self._no_load
-                most = s.current_limit / self.stall_current
-                duty = min(max(duty, (back - most) / self.strength), (back + most) / self.strength)
+            output = self._follow(position, speed)
+            if s.mode == Mode.CURRENT_POSITION:
+                duty = self._driven_by(output * s.current_unit, speed)
+            else:
+                duty = output / s.full_pwm
         elif s.mode == Mode.VELOCITY:
             duty = self._turn(speed) / s.full_pwm
         elif s.mode == Mode.CURRENT:
-            wanted = self.goal_current / self.stall_current + speed / self._no_load
-            duty = wanted / self.strength
+            duty = self._driven_by(self.goal_current, speed)
         else:
             duty = self.goal_duty
         if s.slew < inf:
@@ -186,6 +189,12 @@ class ServoLaw:
         self._speed = speed
         self._duty = duty = min(max(duty, -s.duty_limit), s.duty_limit)
         return duty
+
+    def _driven_by(self, current: float, speed: float) -> float:
+        """Give the duty at which a current flows, A, as far as the limit of mode 5 lets it."""
+        most = self.settings.current_limit
+        wanted = min(max(current, -most), most) / self.stall_current + speed / self._no_load
+        return wanted / self.strength
 
     def _braked(self, brake: Brake, position: float, speed: float) -> float:
         """Give the duty that brings the servo to rest; at rest, go on by the law of its mode."""
@@ -202,7 +211,10 @@ class ServoLaw:
         """
         s = self.settings
         if s.mode in POSITION_MODES and s.p > 0.0:
-            self.rest_at(position + carried * s.full_pwm / s.p)
+            amps = carried * self.strength * self.stall_current
+            five = s.mode == Mode.CURRENT_POSITION
+            output = amps / s.current_unit if five else carried * s.full_pwm
+            self.rest_at(position + output / s.p)
         elif s.mode == Mode.VELOCITY and s.vi > 0.0:
             self.rest_at(position)
             self._sum = carried * s.full_pwm / s.vi

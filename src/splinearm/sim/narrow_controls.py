@@ -135,6 +135,9 @@ class NarrowControls:
         memory["Moving Speed"] = 0
         memory["Torque Limit"] = memory["Max Torque"]
 
+    def reset_gains(self) -> None:
+        """Gains are the same in both modes."""
+
     def change_mode(self) -> None:
         """Nothing else changes."""
 

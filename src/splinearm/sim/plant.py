@@ -7,7 +7,7 @@ from math import copysign
 import mujoco
 import numpy as np
 
-from splinearm.arrays import FloatArray
+from splinearm.arrays import ArrayInput, FloatArray, frozen_array
 from splinearm.kinematics.arm import Arm
 
 from .model import add_duty_motor, build_spec, compile_model
@@ -72,6 +72,11 @@ class ArmPlant:
     def speed(self) -> float:
         """How fast the quickest joint moves, rad/s."""
         return max(map(abs, self._qd))
+
+    def push(self, torques: ArrayInput | None) -> None:
+        """Push the joints from outside from here on, shape (n,), N m; None: no more."""
+        pushed = 0.0 if torques is None else frozen_array(torques, self.q.shape, "torques")
+        self._data.qfrc_applied[:] = pushed
 
     def step(self) -> None:
         """Let ``TIMESTEP`` go by."""

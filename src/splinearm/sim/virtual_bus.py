@@ -195,6 +195,17 @@ class VirtualBus:
         with self.lock:
             return self._plant.q
 
+    def push(self, torques: ArrayInput | None) -> None:
+        """Push the joints from outside from here on, as a hand does.
+
+        Args:
+            torques: At each joint, shape (n,), N m; None: no more.
+        """
+        with self.lock:
+            self._catch_up()
+            self._plant.push(torques)
+            self._rig.wake()
+
     def connect(self) -> socket.socket:
         """Give the client's end of a socket pair, to be served once the last client has left.
 

@@ -7,7 +7,7 @@ from splinearm.drivers.model import ServoModel
 
 from .law import POSITION_MODES, LawSettings, Mode, ServoLaw
 from .memory import TableMemory
-from .motor import nominal_voltage
+from .motor import motor_of, nominal_voltage
 from .scale import MILLI, REVERSE, TIME_BASED, TORQUE_ON_BY_GOAL, ServoScale
 from .sensor import MEASURED, Sensed
 
@@ -38,6 +38,7 @@ class WideControls:
         self._scale = scale
         self._quarter = model.pulses // 4
         self._slew = _slew(model, memory)
+        self._braking = _braking(model, scale)
         self.measured: Mapping[str, Callable[[Sensed], float]] = {
             name: MEASURED[name] for name in MEASURED if name in memory
         }
@@ -98,6 +99,7 @@ class WideControls:
             full_pwm=float(scale.full_pwm),
             duty_limit=pwm / scale.full_pwm,
             current_limit=self._current_limit() if mode == Mode.CURRENT_POSITION else inf,
+            current_unit=scale.current or 1.0,
             top_velocity=top_velocity,
             acceleration=acceleration,
             time_based=time_based,
@@ -131,10 +133,21 @@ class WideControls:
         memory["Goal Velocity"] = 0
         memory["Goal Position"] = position
 
+    def reset_gains(self) -> None:
+        """Give the gains the values of the mode; the manual says "properly", and no numbers.
+
+        In mode 5 the motor's own voltage does not brake: there D is assumed to do what that does in
+        the other modes, else nothing would end a swing.
+        """
+        memory = self._memory
+        memory.reset(memory.table[name] for name in GAINS)
+        if self.mode == Mode.CURRENT_POSITION:
+            memory["Position D Gain"] = self._braking
+
     def change_mode(self) -> None:
         """Let a new mode have its effect on other registers."""
         memory = self._memory
-        memory.reset(memory.table[name] for name in GAINS)
+        self.reset_gains()
         memory["Profile Velocity"] = memory["Profile Acceleration"] = 0
 
     def cut(self) -> None:
@@ -153,6 +166,15 @@ class WideControls:
             return velocity * MILLI, acceleration * MILLI
         velocity = min(velocity, memory["Velocity Limit"])
         return velocity * scale.velocity, acceleration * scale.acceleration
+
+
+def _braking(model: ServoModel, scale: ServoScale) -> int:
+    """Give the D gain whose current is that which the motor's own voltage takes away; 0: none."""
+    motor = motor_of(model)
+    if not scale.current or not motor.stall_current:
+        return 0
+    amps = motor.stall_current / (motor.no_load_speed * scale.per_rad * MILLI)
+    return round(16.0 * amps / scale.current)
 
 
 def _slew(model: ServoModel, memory: TableMemory) -> float:
