@@ -382,7 +382,7 @@ class ServoError(BusError):
 class HealthError(ServoError):
     """A servo is too hot, badly fed or overloaded to go on; it still holds."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - its facts
         self,
         servo_id: int,
         joint: str,
