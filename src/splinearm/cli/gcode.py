@@ -6,7 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .gcode_verify import add_words, verified
+
 if TYPE_CHECKING:
+    from splinearm.toolpaths.cutter import Cutter
     from splinearm.toolpaths.gcode_lint import Finding
     from splinearm.toolpaths.gcode_machine import NcMachine
     from splinearm.toolpaths.summary import Summary
@@ -24,7 +27,8 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "check",
         help="say what a program means and whether a controller takes it",
         description="Read a program to its end: its extent, lengths, feeds and tools. With "
-        "--dialect also say what that controller does not take. Exit code 1 if there is anything.",
+        "--dialect also say what that controller does not take, with --part whether it cuts what "
+        "it should. Exit code 1 if there is anything wrong.",
     )
     check.add_argument("file", type=Path, help="the program")
     check.add_argument(
@@ -38,6 +42,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "--block-delete", action="store_true", help="leave out lines that begin with /"
     )
     check.add_argument("--json", action="store_true", help="print JSON")
+    add_words(check)
     check.set_defaults(run=run_check)
 
 
@@ -54,24 +59,35 @@ def run_check(args: argparse.Namespace) -> int:
         dialect = None if args.dialect is None else dialect_of(args.dialect)
     except ValueError as error:
         raise ConfigError("--dialect", "", str(error)) from error
-    actions = run_gcode(args.file, _machine(args))
+    cutters = _cutters(args)
+    machine = _machine(args, cutters)
+    actions = run_gcode(args.file, machine)
     findings: list[Finding] = []
     if dialect is not None:
         text = args.file.read_text(encoding="utf-8", errors="replace")
         findings = lint(read_program(text, str(args.file)), text, dialect)
     summary = summarise(actions)
+    found = verified(args, machine, cutters)
     if args.json:
-        print(json.dumps(_document(summary, findings), indent=2))
+        document = _document(summary, findings)
+        document["verification"] = None if found is None else found.document()
+        print(json.dumps(document, indent=2))
     else:
         _print(args.file, summary, findings, args.dialect)
-    return 1 if findings else 0
+        if found is not None:
+            print(found.text())
+    return 1 if findings or not (found is None or found.ok) else 0
 
 
-def _machine(args: argparse.Namespace) -> "NcMachine":
+def _cutters(args: argparse.Namespace) -> "dict[int, Cutter]":
     from splinearm.config.tool_table import load_tools
+
+    return {} if args.tools is None else load_tools(args.tools)
+
+
+def _machine(args: argparse.Namespace, cutters: "dict[int, Cutter]") -> "NcMachine":
     from splinearm.toolpaths.gcode_machine import NcMachine, NcTool
 
-    cutters = {} if args.tools is None else load_tools(args.tools)
     return NcMachine(
         tools={number: NcTool(diameter=tool.diameter) for number, tool in cutters.items()},
         inches=args.inches,

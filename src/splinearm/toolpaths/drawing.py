@@ -14,6 +14,9 @@ from splinearm.errors import DrawingError
 
 from .piece import ArcPiece, LinePiece, Piece, SplinePiece
 
+_LARGEST = 1e5
+"""A drawing may be that large, m: beyond it somebody is wrong about its unit or its numbers."""
+
 _POINT = 1e-12
 """A piece shorter than this share of the drawing's size is a point."""
 
@@ -94,6 +97,8 @@ class Sheet:
             DrawingError: If nothing is drawn in it.
         """
         size = _size([each.piece for each in self.drawn])
+        if not size <= _LARGEST:
+            raise DrawingError(self.file, "", f"is {size:.3g} m large: look at its unit")
         kept = tuple(each for each in self.drawn if each.piece.length > _POINT * size)
         points = len(self.drawn) - len(kept)
         left_out = dict(self.left_out) | ({"point": points} if points else {})
@@ -142,8 +147,13 @@ def reading(file: str, where: str) -> Iterator[None]:
     """Turn what a curve that cannot be made complains of into an error of the drawing."""
     try:
         yield
-    except ValueError as error:
-        raise DrawingError(file, where, str(error)) from error
+    except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
+        raise DrawingError(file, where, first_line(error)) from error
+
+
+def first_line(error: Exception) -> str:
+    """Give what an error says, in one line that is not long."""
+    return (str(error).splitlines() or [type(error).__name__])[0][:200]
 
 
 def _size(pieces: list[Piece]) -> float:

@@ -5,7 +5,9 @@ ellipses become exact NURBS. Texts, dimensions and the like are left out and cou
 Source of the format: Autodesk, "DXF Reference".
 """
 
-from collections.abc import Callable, Iterable
+import struct
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from math import cos, pi, radians, sin
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +19,7 @@ from splinearm.curves.bspline import BSpline
 from splinearm.curves.interpolation import interpolate
 from splinearm.errors import DrawingError
 
-from .drawing import UNITS, Drawing, Sheet, reading
+from .drawing import UNITS, Drawing, Sheet, first_line, reading
 from .piece import ArcPiece, LinePiece, Piece, SplinePiece
 from .shape import bulging_chain, ellipse_piece
 
@@ -30,6 +32,12 @@ _UNIT_CODES = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 13: "um"}
 
 _DEEPEST = 32
 """How deep blocks may lie within blocks."""
+
+_MOST_BLOCKS = 20_000
+"""So many blocks may be placed in all."""
+
+_FAULTS = (ValueError, ArithmeticError, LookupError, TypeError, AttributeError, struct.error)
+"""What a reader of files stumbles over where a file is broken."""
 
 _FLAT = 1e-6
 """Share of the largest coordinate by which a drawing may leave its plane."""
@@ -49,35 +57,51 @@ def read_dxf(file: Path, unit: str | None = None) -> Drawing:
         DrawingError: If it is no DXF file or holds what cannot be drawn in the plane.
         OSError: If it cannot be opened.
     """
-    document = _load(file)
-    name = _UNIT_CODES.get(int(document.units))
-    sheet = Sheet(str(file), name or unit or "mm")
-    scale = UNITS[sheet.unit]
-    hidden = {layer.dxf.name for layer in document.layers if layer.is_off() or layer.is_frozen()}
-    reader = _Reader(sheet, scale, hidden)
-    reader.read(document.modelspace(), ())
+    with _blaming(file):
+        document = _load(file)
+        name = _UNIT_CODES.get(int(document.units))
+        sheet = Sheet(str(file), name or unit or "mm")
+        off = {layer.dxf.name for layer in document.layers if layer.is_off() or layer.is_frozen()}
+        _Reader(sheet, UNITS[sheet.unit], off).read(document.modelspace(), ())
     return sheet.finished()
 
 
-def _load(file: Path) -> "Document":
-    """Let ezdxf read a file; whatever it complains of is an error of the drawing."""
-    try:
-        from ezdxf.filemanagement import readfile
-    except ImportError as error:
-        raise DrawingError(
-            str(file), "", "reading DXF needs ezdxf: pip install 'splinearm[cad]'"
-        ) from error
-    from ezdxf.lldxf.const import DXFError
+@contextmanager
+def _blaming(file: Path) -> Iterator[None]:
+    """Let whatever ezdxf complains of be one error of the drawing, and its notes be none."""
+    from logging import CRITICAL, getLogger
 
-    _require_end(file)
+    log = getLogger("ezdxf")
+    level = log.level
+    log.setLevel(CRITICAL)
     try:
-        return readfile(file)
+        yield
     except OSError as error:
         if error.errno is not None:
             raise
         raise DrawingError(str(file), "", "is no DXF file") from error
-    except (DXFError, ValueError, KeyError, IndexError, TypeError, AttributeError) as error:
-        raise DrawingError(str(file), "", f"is no valid DXF file: {_first_line(error)}") from error
+    except DrawingError:
+        raise
+    except RecursionError as error:
+        raise DrawingError(str(file), "", "its blocks lie within each other too deep") from error
+    except ImportError as error:
+        raise DrawingError(
+            str(file), "", "reading DXF needs ezdxf: pip install 'splinearm[cad]'"
+        ) from error
+    except Exception as error:
+        if not (type(error).__module__.startswith("ezdxf.") or isinstance(error, _FAULTS)):
+            raise
+        raise DrawingError(str(file), "", f"is no valid DXF file: {first_line(error)}") from error
+    finally:
+        log.setLevel(level)
+
+
+def _load(file: Path) -> "Document":
+    """Let ezdxf read a file."""
+    from ezdxf.filemanagement import readfile
+
+    _require_end(file)
+    return readfile(file)
 
 
 def _require_end(file: Path) -> None:
@@ -92,10 +116,6 @@ def _require_end(file: Path) -> None:
         raise DrawingError(str(file), "", "is cut off: a DXF file ends with EOF")
 
 
-def _first_line(error: Exception) -> str:
-    return (str(error).splitlines() or [type(error).__name__])[0]
-
-
 class _Reader:
     """Entities of one file on their way to the sheet."""
 
@@ -103,6 +123,7 @@ class _Reader:
         self.sheet = sheet
         self.scale = scale
         self.hidden = hidden
+        self.placed = 0
 
     def read(self, entities: "Iterable[DXFGraphic]", blocks: tuple[str, ...]) -> None:
         """Read entities, those of blocks in their places."""
@@ -129,6 +150,11 @@ class _Reader:
         if insert.block() is None:
             raise DrawingError(
                 self.sheet.file, f"INSERT #{insert.dxf.handle}", f"no block {name!r}"
+            )
+        self.placed += max(1, insert.mcount)
+        if self.placed > _MOST_BLOCKS:
+            raise DrawingError(
+                self.sheet.file, f"block {name!r}", f"more than {_MOST_BLOCKS} blocks are placed"
             )
         copies = insert.multi_insert() if insert.mcount > 1 else (insert,)
         for copy in copies:

@@ -20,7 +20,7 @@ from splinearm.arrays import FloatArray
 from splinearm.curves.bspline import BSpline
 from splinearm.errors import DrawingError
 
-from .drawing import UNITS, Drawing, Sheet, reading
+from .drawing import UNITS, Drawing, Sheet, first_line, reading
 from .piece import LinePiece, Piece, SplinePiece
 from .shape import ellipse_piece
 
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 _PX = 0.0254 / 96.0
 _LENGTHS = {"": _PX, "px": _PX, "pt": 0.0254 / 72.0, "pc": 0.0254 / 6.0, "mm": 1e-3, "cm": 1e-2}
 _LENGTHS |= {"in": 0.0254, "Q": 0.25e-3}
+_LONGEST_STYLE = 20_000
+_MOST_ELEMENTS = 200_000
 _NOT_DRAWN = ("text", "image", "foreignObject")
 
 
@@ -52,6 +54,7 @@ def read_svg(file: Path, unit: str | None = None) -> Drawing:
         ) from error
 
     root = _root(file)
+    _require_small(root, str(file))
     px = _PX if unit is None else UNITS[unit]
     width, height = _page(root, px, str(file))
     # svgelements rounds millimetres to seven digits: it gets a page of plain numbers
@@ -67,8 +70,9 @@ def read_svg(file: Path, unit: str | None = None) -> Drawing:
         shapes = [each for each in page.elements() if isinstance(each, svgelements.Shape)]
     except RecursionError as error:
         raise DrawingError(str(file), "", "its groups lie within each other too deep") from error
-    except (ValueError, TypeError, IndexError, KeyError, AttributeError) as error:
-        raise DrawingError(str(file), "", f"is no valid SVG file: {error}") from error
+    except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
+        reason = f"is no valid SVG file: {first_line(error)}"
+        raise DrawingError(str(file), "", reason) from error
     flip = np.array([[px, 0.0, 0.0], [0.0, -px, height]])
     for shape in shapes:
         name = str(shape.id or type(shape).__name__.lower())
@@ -94,6 +98,35 @@ def _root(file: Path) -> "Element":
     return root
 
 
+def _require_small(root: "Element", file: str) -> None:
+    """Refuse a file that says little and means more than can be drawn."""
+    styles = sum(len(e.text or "") for e in root.iter() if e.tag.rpartition("}")[2] == "style")
+    if styles > _LONGEST_STYLE:
+        raise DrawingError(file, "style", f"is {styles} characters long; at most {_LONGEST_STYLE}")
+    named = {element.get("id"): element for element in root.iter() if element.get("id")}
+    counts = dict[int, int]()
+
+    def count(element: "Element", trail: frozenset[int]) -> int:
+        key = id(element)
+        if key in trail:
+            name = element.get("id") or element.tag
+            raise DrawingError(file, f"#{name}", "is used within itself")
+        if key not in counts:
+            inner = list(element)
+            link = element.get("{http://www.w3.org/1999/xlink}href") or element.get("href") or ""
+            if element.tag.rpartition("}")[2] == "use" and link[1:] in named:
+                inner.append(named[link[1:]])
+            counts[key] = 1 + sum(count(each, trail | {key}) for each in inner)
+        return counts[key]
+
+    try:
+        total = count(root, frozenset())
+    except RecursionError as error:
+        raise DrawingError(file, "", "its groups lie within each other too deep") from error
+    if total > _MOST_ELEMENTS:
+        raise DrawingError(file, "", f"it means {total} elements; at most {_MOST_ELEMENTS}")
+
+
 def _page(root: "Element", px: float, file: str) -> tuple[float, float]:
     """Give width and height of the page, m."""
     given = root.get("viewBox", "")
@@ -102,7 +135,7 @@ def _page(root: "Element", px: float, file: str) -> tuple[float, float]:
     except ValueError:
         box = [nan]
     if box and (len(box) != 4 or not all(map(isfinite, box)) or min(box[2:]) <= 0.0):
-        raise DrawingError(file, "viewBox", f"want x, y, width and height, got {given!r}")
+        raise DrawingError(file, "viewBox", f"want x, y, width and height, got {given[:40]!r}")
     sizes = []
     for i, name in enumerate(("width", "height")):
         given = root.get(name, "100%").strip()
@@ -110,7 +143,7 @@ def _page(root: "Element", px: float, file: str) -> tuple[float, float]:
             given = str(box[2 + i]) if box else "0"
         match = fullmatch(r"([-+0-9.eE]+?)\s*([a-zA-Z]*)", given)
         if match is None or match[2] not in _LENGTHS:
-            raise DrawingError(file, name, f"want a length such as 120mm, got {given!r}")
+            raise DrawingError(file, name, f"want a length such as 120mm, got {given[:40]!r}")
         per = _LENGTHS[match[2]] if match[2] not in ("", "px") else px
         sizes.append(float(match[1]) * per)
     return sizes[0], sizes[1]

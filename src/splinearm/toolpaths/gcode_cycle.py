@@ -19,6 +19,9 @@ from .gcode_way import Way
 CYCLES = frozenset((730, 810, 820, 830, 840, 850, 860, 890))
 """Cycles that are understood."""
 
+_MOST_PECKS = 100_000
+"""So often may one line go down."""
+
 _CHIP = 0.254e-3
 """How far a peck backs off: 0.010 inch, m."""
 
@@ -105,6 +108,9 @@ class _Driller:
         bottom = cycle.depth + (state.offset[2] if absolute else clear)
         if bottom > clear:
             raise line.refuse("R", "is below the bottom of the hole; it must be above Z")
+        pecks = times * ((clear - bottom) / cycle.peck if cycle.code in _PECKS else 1.0)
+        if not pecks <= _MOST_PECKS:
+            raise line.refuse("", f"drills {pecks:.3g} times; at most {_MOST_PECKS}")
         if before < clear:
             yield from self._rapid(z=clear)
         back = max(cycle.begun, clear) if state.modes.retract_to_start else clear

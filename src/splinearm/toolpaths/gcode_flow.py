@@ -6,7 +6,9 @@ lines one after the other, for whoever knows what their words mean.
 
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass, field
+from math import inf, isfinite
 from pathlib import Path
+from re import compile as pattern
 from typing import NoReturn
 
 from splinearm.errors import GcodeError
@@ -21,8 +23,10 @@ DEEPEST_CALL = 10
 DEEPEST_NEST = 100
 """So deep may branches and loops lie within each other."""
 
-MOST_BLOCKS = 10_000_000
-"""A program that runs through more lines than this is taken to have no end."""
+MOST_BLOCKS = 400_000
+"""A program that goes through more lines than it has and these is taken to have no end."""
+
+_END = pattern(r"m0*(2|30)(\.0*)?").fullmatch
 
 _CLOSERS = {"sub": ("endsub",), "while": ("endwhile",), "repeat": ("endrepeat",), "do": ("while",)}
 
@@ -65,12 +69,27 @@ def read_program(text: str, file: str) -> Program:
     Raises:
         GcodeError: If a line is none, or O words do not belong together.
     """
-    blocks = []
+    blocks: list[Block] = []
     for number, line in enumerate(_between_percent(text.splitlines()), start=1):
-        block = read_block(line, number, file)
+        try:
+            block = read_block(line, number, file)
+        except GcodeError:
+            if not _has_ended(file, blocks):
+                raise
+            break  # notes behind the end of the program
         if not block.is_empty:
             blocks.append(block)
     return _Grower(file, blocks).program()
+
+
+def _has_ended(file: str, blocks: Sequence[Block]) -> bool:
+    """Say whether blocks are a whole program with M2 or M30, behind which nothing is read."""
+    try:
+        body = _Grower(file, blocks).program().body
+    except GcodeError:
+        return False
+    plain = [part for part in body if isinstance(part, Block)]
+    return any(_END(word.text) for block in plain for word in block.words)
 
 
 def _between_percent(lines: list[str]) -> list[str]:
@@ -232,6 +251,9 @@ class Runner:
         """
         try:
             return value(self.memory)
+        except RecursionError as fault:
+            reason = "is too long to be worked out"
+            raise GcodeError(file, block.line, word[:40] or block.text[:40], reason) from fault
         except (NoValueError, ParameterError) as fault:
             raise GcodeError(file, block.line, word or block.text[:40], str(fault)) from fault
 
@@ -246,10 +268,9 @@ class Runner:
 
     def _count(self, program: Program, block: Block) -> None:
         self._done += 1
-        if self._done > MOST_BLOCKS:
-            raise GcodeError(
-                program.file, block.line, "", f"runs on after {MOST_BLOCKS} lines: has it an end?"
-            )
+        if self._done > MOST_BLOCKS + len(self.program.blocks):
+            reason = f"runs on after {self._done - 1} lines: has it an end?"
+            raise GcodeError(program.file, block.line, "", reason)
 
     def _do(self, program: Program, part: _Part) -> Iterator[tuple[str, Block]]:
         control = part.control
@@ -273,7 +294,12 @@ class Runner:
 
     def _loop(self, program: Program, part: _Part) -> Iterator[tuple[str, Block]]:
         verb, turns = part.control.verb, 0
-        most = round(self._first_value(program, part) or 0.0) if verb == "repeat" else MOST_BLOCKS
+        most = inf
+        if verb == "repeat":
+            most = self._first_value(program, part) or 0.0
+            if not isfinite(most):
+                self._refuse(program, part, f"cannot be done {most} times")
+            most = round(most)
         while turns < most:
             if verb == "while" and not self._holds(program, part):
                 return

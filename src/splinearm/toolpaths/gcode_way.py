@@ -18,6 +18,7 @@ from .gcode_line import Line
 from .gcode_modal import Code
 from .gcode_state import MM, OFFSET_LETTERS, State
 
+_MOST_TURNS = 10_000
 _SPIRAL_LIMIT = 0.5 * MM
 _SPIRAL_SHARE = 1e-3
 _SPIRAL_FREE = 5e-3 * MM
@@ -101,6 +102,8 @@ class Way:
         radius = line.take("r")
         ways = {i: line.take(OFFSET_LETTERS[i]) for i in (a, b)}
         turns = line.whole("p", 1) if "p" in line.values else 1
+        if turns > _MOST_TURNS:
+            raise line.refuse(line.texts["p"], f"at most {_MOST_TURNS} turns")
         if radius is not None:
             if any(way is not None for way in ways.values()):
                 raise line.refuse("R", "an arc has a radius or a centre, not both")
