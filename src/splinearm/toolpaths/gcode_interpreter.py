@@ -22,6 +22,7 @@ from .gcode_line import Line, read_line
 from .gcode_machine import NcMachine, NcTool
 from .gcode_memory import Memory, ParameterError
 from .gcode_modal import MOTION, Code
+from .gcode_origin import set_table, shift_origin
 from .gcode_parameter import computed_parameters
 from .gcode_state import INCH, MM, State
 from .gcode_way import NurbsWay, Way
@@ -115,7 +116,7 @@ class Interpreter:
     def _line(self, line: Line) -> Iterator[Action]:
         """Do a line in the order of the standard."""
         self._keep(line)
-        state, modes = self.state, self.state.modes
+        modes = self.state.modes
         if "feed mode" in line.g:
             mode = line.g["feed mode"] // 10
             if mode != modes.feed_mode:
@@ -262,58 +263,13 @@ class Interpreter:
         """Do what holds for one line only."""
         code = line.g.get("once")
         if code == 100:
-            self._set_table(line)
+            set_table(line, self.state)
         elif code in (280, 300):
             yield from self._go_home(line, _HOMES[code])
         elif code in (281, 301):
             self.state.homes[_HOMES[code]] = self.state.position
         elif code is not None and code != 40:
-            self._shift(line, code)
-
-    def _shift(self, line: Line, code: Code) -> None:
-        """Do G52 and G92 to G92.3: move the origin for a while."""
-        state = self.state
-        given = line.places(state.modes.unit) if code in (520, 920) else {}
-        if code == 920 and not given:
-            raise line.refuse("G92", "wants the coordinates that this place shall have")
-        for axis, value in given.items():
-            here = state.place[axis] + state.shift[axis]
-            state.shift[axis] = here - value if code == 920 else value
-        if code in (921, 922):
-            state.shift = np.zeros(3)
-        if code in (920, 921):
-            state.kept_shift = state.shift.copy()
-        if code == 923:
-            state.shift = state.kept_shift.copy()
-
-    def _set_table(self, line: Line) -> None:
-        """Do G10: set a coordinate system or a tool."""
-        state, kind = self.state, line.whole("l", 0, "G10 wants L")
-        number = line.whole("p", 0, "G10 wants P")
-        unit = state.modes.unit
-        if "r" in line.values and kind in (2, 20):
-            raise line.refuse("R", "coordinate systems that are turned are not understood")
-        if kind in (2, 20):
-            if number > len(_SYSTEMS):
-                raise line.refuse("P", f"coordinate systems go from 1 to 9, got {number}")
-            index = state.system if number == 0 else number - 1
-            for axis, value in line.places(unit).items():
-                if kind == 2:
-                    state.origins[index, axis] = value
-                else:
-                    others = state.shift[axis] + state.tool_offset[axis]
-                    state.origins[index, axis] = state.position[axis] - others - value
-        elif kind in (1, 10, 11):
-            old = state.tools.get(number, NcTool())
-            given = line.places(unit)
-            length = given.get(2, old.length)
-            if kind != 1 and 2 in given:
-                length = state.position[2] - state.origins[state.system, 2] - given[2]
-            radius = line.take("r")
-            diameter = old.diameter if radius is None else 2.0 * radius * unit
-            state.tools[number] = NcTool(diameter=diameter, length=length)
-        else:
-            raise line.refuse("L", f"G10 has L1, L2, L10, L11 and L20, got L{kind}")
+            shift_origin(line, self.state, code)
 
     def _go_home(self, line: Line, index: int) -> Iterator[Action]:
         state = self.state
