@@ -1,0 +1,173 @@
+"""Who answers on a line: the servos of the arm's file, and any other, at any rate."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from splinearm.drivers.bus import PingReply
+from splinearm.drivers.chain import ServoChain, ServoSpec
+from splinearm.drivers.dialect import protocols_of
+from splinearm.drivers.dynamixel import DEFAULT_BAUDS
+from splinearm.drivers.link import is_socket
+from splinearm.errors import BusError, PortError
+
+from .stethoscope import Stethoscope
+
+_NEAR = 20
+"""How far from each other the ids are for which is looked first."""
+_PATIENCE, _QUICK_PATIENCE = (0.0, 0.0, 0.2), (0.0, 0.0, 0.0)
+"""How much longer than usually to wait when servos are called again and again, s."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stranger:
+    """A servo that answered otherwise than the arm's file says."""
+
+    reply: PingReply
+    """What it said of itself."""
+    baud: int
+    """At which rate."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Roll:
+    """Who answered."""
+
+    baud: int
+    """The rate of the arm's file, or the one at which most answered."""
+    present: dict[int, PingReply]
+    """By id who answered as the file says; without a file, whoever did."""
+    garbled: tuple[int, ...]
+    """Ids from which only damaged answers came."""
+    silent: tuple[ServoSpec, ...]
+    """Servos of the file that did not answer as it says."""
+    strangers: tuple[Stranger, ...]
+    """Who answered at another rate, in another protocol, or is not in the file."""
+    is_echoed: bool
+    """Whether what was sent came back."""
+    tried: tuple[int, ...]
+    """The rates that were tried."""
+
+
+def call_roll(port: str, chain: ServoChain, *, until: float, thorough: bool = True) -> Roll:
+    """Ask the servos of an arm's file, and if one is missing everyone at every rate.
+
+    Args:
+        port: The port.
+        chain: The servos.
+        until: When to stop looking, s on the monotonic clock.
+        thorough: Whether to look for servos that the file does not name even if none is missing.
+
+    Raises:
+        PortError: If the port cannot be had.
+    """
+    protocols = protocols_of(chain)
+    present: dict[int, PingReply] = {}
+    garbled: list[int] = []
+    strangers: list[Stranger] = []
+    with Stethoscope(port, chain.baud, protocols=protocols) as bus:
+        echoed = False
+        waiting = [servo.servo_id for servo in chain.servos]
+        for patience in _PATIENCE if thorough else _QUICK_PATIENCE:
+            for servo_id in tuple(waiting):
+                reply, damaged, echo = _call(bus, servo_id, patience)
+                echoed |= echo
+                if reply is not None:
+                    present[servo_id] = reply
+                    waiting.remove(servo_id)
+                elif damaged and servo_id not in garbled:
+                    garbled.append(servo_id)
+            if not (present or garbled):
+                break  # nobody is there: elsewhere they are found sooner
+        garbled = [servo_id for servo_id in garbled if servo_id not in present]
+        known = {*present, *garbled}
+        silent = tuple(servo for servo in chain.servos if servo.servo_id not in known)
+        if silent or thorough:
+            named = {(servo.servo_id, protocols[servo.servo_id]) for servo in chain.servos}
+            strangers += [
+                Stranger(reply=reply, baud=chain.baud)
+                for reply in _everyone(bus, echoed=echoed)
+                if (reply.servo_id, reply.protocol) not in named
+            ]
+    tried = [chain.baud]
+    rates = [rate for rate in _rates(chain) if rate != chain.baud and not is_socket(port)]
+    for baud in rates if silent else ():
+        if time.monotonic() > until:
+            break
+        strangers += _at(port, baud, echoed=echoed)
+        tried.append(baud)
+    return Roll(
+        baud=chain.baud,
+        present=present,
+        garbled=tuple(garbled),
+        silent=silent,
+        strangers=tuple(strangers),
+        is_echoed=echoed,
+        tried=tuple(tried),
+    )
+
+
+def call_everyone(port: str) -> Roll:
+    """Ask everyone at every rate, where no arm's file says who should be there.
+
+    Raises:
+        PortError: If the port cannot be had.
+    """
+    rates = DEFAULT_BAUDS[:1] if is_socket(port) else DEFAULT_BAUDS
+    found: list[Stranger] = []
+    with Stethoscope(port, rates[0]) as bus:
+        echoed = bus.listen(0).is_echoed  # an adapter that hears itself does so at any rate
+    for baud in rates:
+        found += _at(port, baud, echoed=echoed)
+    counts = {baud: sum(one.baud == baud for one in found) for baud in rates}
+    usual = max(counts, key=lambda baud: counts[baud])
+    return Roll(
+        baud=usual,
+        present={one.reply.servo_id: one.reply for one in found if one.baud == usual},
+        garbled=(),
+        silent=(),
+        strangers=tuple(one for one in found if one.baud != usual),
+        is_echoed=echoed,
+        tried=rates,
+    )
+
+
+def _call(bus: Stethoscope, servo_id: int, patience: float) -> tuple[PingReply | None, bool, bool]:
+    """Ping a servo; give its answer, whether it came damaged, and whether there was an echo."""
+    heard = bus.listen(servo_id, patience=patience)
+    if not heard.packets:
+        return None, bool(heard.data), heard.is_echoed
+    params = heard.packets[0].params
+    if bus.protocol_of(servo_id) == 2 and len(params) == 3:
+        number = params[0] | params[1] << 8
+        return PingReply(servo_id, number, params[2]), False, heard.is_echoed
+    try:
+        return bus.ping(servo_id), False, heard.is_echoed
+    except BusError:  # of what else it takes in Protocol 1.0 something was lost
+        return None, True, heard.is_echoed
+
+
+def _everyone(bus: Stethoscope, *, echoed: bool) -> Sequence[PingReply]:
+    """Ask everyone at the rate of a bus, in both protocols."""
+    if echoed:  # an echo of Protocol 1.0 cannot be told from an answer
+        return bus.scan(quiet_slots=_NEAR)
+    return (*bus.scan(quiet_slots=_NEAR), *bus.scan_v1(quiet_slots=_NEAR))
+
+
+def _at(port: str, baud: int, *, echoed: bool) -> list[Stranger]:
+    """Give who answers at a rate; nobody, if the adapter does not have it."""
+    try:
+        bus = Stethoscope(port, baud)
+    except PortError as error:
+        if f"at {baud} baud" in error.reason:
+            return []
+        raise
+    with bus:
+        return [Stranger(reply=reply, baud=baud) for reply in _everyone(bus, echoed=echoed)]
+
+
+def _rates(chain: ServoChain) -> tuple[int, ...]:
+    """Give the rates at which servos of an arm may be, the likeliest first."""
+    known = {rate for servo in chain.servos for rate in servo.servo_model.baud_codes.values()}
+    likely = [rate for rate in (57_600, 1_000_000, *DEFAULT_BAUDS) if rate in known]
+    return tuple(dict.fromkeys(likely))
