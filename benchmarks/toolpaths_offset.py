@@ -44,12 +44,16 @@ def star(n: int, seed: int = 0, radius: float = 0.1) -> Region:
 
 
 def islands() -> Region:
-    """Give a pocket of 200 x 120 mm with six islands."""
-    outer = Contour.rectangle([0.0, 0.0], [0.2, 0.12], 0.01)
-    spots = [(0.03, 0.03), (0.08, 0.085), (0.15, 0.09)]
-    round_ones = [Contour.circle(spot, 0.008 + 0.002 * k) for k, spot in enumerate(spots)]
-    corners = [(0.065, 0.02), (0.12, 0.03), (0.03, 0.075)]
-    square = [Contour.rectangle(c, [0.02, 0.015 + 0.003 * k], 0.003) for k, c in enumerate(corners)]
+    """Give a pocket of 200 x 120 mm with six islands, 17 rings of a cutter of 2 mm radius."""
+    outer = Contour.rectangle([0.0, 0.0], [0.2, 0.12], 0.0)
+    circles = [((0.108, 0.04), 0.011), ((0.074, 0.045), 0.008), ((0.148, 0.027), 0.008)]
+    rectangles = [
+        ((0.067, 0.066), (0.03, 0.031), 0.005),
+        ((0.031, 0.036), (0.028, 0.029), 0.005),
+        ((0.157, 0.06), (0.018, 0.019), 0),
+    ]
+    round_ones = [Contour.circle(spot, radius) for spot, radius in circles]
+    square = [Contour.rectangle(spot, size, radius) for spot, size, radius in rectangles]
     return Region(outer, (*round_ones, *square))
 
 

@@ -249,16 +249,6 @@ def test_random_pockets_agree_with_clipper(first):
     assert sum(agree) >= 9  # what is as narrow as its tolerance may be there or not
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(3600)
-def test_a_thousand_random_pockets_agree_with_clipper():
-    pyclipr = pytest.importorskip("pyclipr", reason="pyclipr is not installed")
-    agree = [
-        agrees_with_clipper(pyclipr, 100 + k, 30000 if k % 20 == 0 else 2000) for k in range(1000)
-    ]
-    assert sum(agree) >= 990
-
-
 def test_rings_are_offsets_of_the_part_itself():
     part = pocket(40, 3)
     steps = [-0.002 * k for k in range(1, 8)]

@@ -82,6 +82,50 @@ def test_what_is_too_far_and_what_is_missing_is_found():
         check([])
 
 
+def rooms(count):
+    """A row of rooms along a corridor too narrow for D: one region a room when shrunk by it."""
+    corners = []
+    for k in range(count):
+        corners += [(k, 0.0), (k + 0.6, 0.0), (k + 0.6, 0.2), (k + 1.0, 0.2)]
+    top = [(x, 0.5 - y) for x, y in corners[::-1]]
+    return Contour.polyline(np.array(corners + top) * 0.02)
+
+
+@pytest.mark.parametrize("left_out", range(12))
+def test_each_region_that_is_left_out_is_missed_wherever_it_is(left_out):
+    part, d = rooms(12), 0.0012
+    found = [region.outer for region in offset(part, -d)]
+    assert len(found) == 12
+    check(found, part, d)
+    with pytest.raises(OffsetError, match="missing"):
+        check(found[:left_out] + found[left_out + 1 :], part, d)
+
+
+def test_holes_that_are_left_out_loops_given_twice_and_loops_of_the_other_side_are_found():
+    outer = Contour.rectangle([-0.4, -0.4], [0.8, 0.8])
+    hole = Contour.circle([0.1, 0.05], 0.1, clockwise=True)
+    part = loops(outer, hole)
+    right = [
+        Contour.rectangle([-0.35, -0.35], [0.7, 0.7]),
+        Contour.circle([0.1, 0.05], 0.15, clockwise=True),
+    ]
+
+    def ask(*contours):
+        check_offset(loops(*contours), part, D, outward=False, tolerance=1e-12)
+
+    ask(*right)
+    wrong = [
+        right[:1],
+        right[1:],
+        [*right, right[1]],
+        [*right, Contour.circle([0.1, 0.05], 0.05)],
+        [*right, Contour.rectangle([-0.45, -0.45], [0.9, 0.9], 0.05).reversed()],
+    ]
+    for contours in wrong:
+        with pytest.raises(OffsetError, match="missing or too much"):
+            ask(*contours)
+
+
 def test_nearly_straight_arcs_are_measured_as_well_as_others():
     for bulge in (1e-3, 1e-5, 1e-7, 1e-9, 1e-12, 1e-15):
         part = Contour(

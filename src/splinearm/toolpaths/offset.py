@@ -4,58 +4,35 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import frexp, ldexp
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.errors import GougeError, OffsetError
+from splinearm.errors import OffsetError
 
 from .contour import Contour, joined
-from .offset_check import Loops, check_offset
+from .offset_check import raise_of
 from .region import Region
 
+if TYPE_CHECKING:
+    from .offset_made_kernel import Model
+
 _CORNERS = {"round": 0.0, "mitre": 1.0, "chamfer": 2.0}
-_ROUNDING = 1e-11
-"""What a result may be off by, as a share of the size of the part and the distance."""
-_NUDGES = (0.0, 1e-12, -1e-12, 3e-12, -1e-11)
-"""Shares of the size by which the distance is changed in turn if no loops close."""
-_TINY = 1e-14
-"""Segments with chords below this share of the size are none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Scaled:
-    """Loops moved to the origin and scaled to about 1, as pieces in a tree."""
+    """Loops moved to the origin and scaled to about 1, with what is searched in them."""
 
-    loops: Loops
-    P: FloatArray
-    segment: FloatArray
-    firsts: FloatArray
-    tree: FloatArray
-    origin: FloatArray
-    unit: float
+    model: "Model"
     outward: bool
 
 
 def _scaled(contours: Iterable[Contour], reach: float, *, outward: bool) -> _Scaled:
-    from .offset_kernel import pieces_of
-    from .tree_kernel import tree_of
+    from .offset_made_kernel import prepared
 
-    vertices, bulges, starts = joined(contours)
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    origin = 0.5 * (low + high)
-    extent = float((high - low).max())
-    if np.abs(bulges).max() > 1.0:
-        # arcs of more than half a turn may reach far beyond their ends
-        reaches = 0.5 * np.abs(bulges) * np.hypot(*(np.roll(vertices, -1, axis=0) - vertices).T)
-        extent += 2.0 * float(reaches.max())
-    # a power of two: scaling by it is exact
-    unit = ldexp(1.0, frexp(max(extent, reach))[1])
-    vertices = (vertices - origin) / unit
-    P, segment, firsts = pieces_of(vertices, bulges, starts, _TINY)
-    loops = Loops(vertices, bulges, starts)
-    tree = tree_of(P, len(P), 0.0)
-    return _Scaled(loops, P, segment, firsts, tree, origin, unit, outward)
+    return _Scaled(prepared(*joined(contours), reach), outward)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -196,41 +173,17 @@ def _style(corner: str, distance: float, mitre_limit: float) -> tuple[float, flo
 def _offset_loops(
     scaled: _Scaled, distance: float, style: tuple[float, float]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Give checked loops of the offset to the left: rows of `offset_loops`, starts and areas."""
-    from .loop_kernel import offset_loops
+    """Give checked loops of the offset to the left: rows, starts and areas of `checked_loops`."""
+    from .offset_made_kernel import OPEN, checked_loops
 
-    unit, origin = scaled.unit, scaled.origin
-    d = distance / unit
     reach = 1.0 if style[0] == 0.0 else max(style[1], 1.4143)
-    failure: OffsetError | GougeError | None = None
-    for nudge in _NUDGES:
-        rows, starts, areas, wrong = offset_loops(
-            scaled.P, scaled.segment, scaled.firsts, scaled.tree, d + nudge, style
-        )
-        if wrong[0] >= 0.0:
-            x, y = (wrong[1:] * unit + origin).tolist()
-            failure = failure or OffsetError(distance, "its pieces do not close to loops", (x, y))
-            continue
-        result = Loops(rows[:, :2].copy(), rows[:, 2].copy(), starts)
-        try:
-            check_offset(
-                result,
-                scaled.loops,
-                d,
-                outward=scaled.outward,
-                reach=reach,
-                tolerance=_ROUNDING,
-            )
-        except (GougeError, OffsetError) as error:
-            x, y = (np.array(error.where) * unit + origin).tolist()
-            if isinstance(error, GougeError):
-                failure = failure or GougeError((x, y), error.depth * unit)
-            else:
-                failure = failure or OffsetError(distance, error.what, (x, y))
-            continue
-        rows[:, :2] = rows[:, :2] * unit + origin
-        return rows, starts, areas
-    raise failure or OffsetError(distance, "not tried", (0.0, 0.0))
+    rows, starts, areas, said = checked_loops(
+        scaled.model, distance, style, reach, 1.0 if scaled.outward else 0.0
+    )
+    if said[0] == OPEN:
+        raise OffsetError(distance, "its pieces do not close to loops", (said[1], said[2]))
+    raise_of(said, distance)
+    return rows, starts, areas
 
 
 def _regions(

@@ -2,13 +2,8 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from splinearm.arrays import FloatArray
 from splinearm.errors import GougeError, OffsetError
-
-_PROBES = 32
-"""Beside about so many segments it is looked whether a region is missing."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,19 +41,26 @@ def check_offset(
         GougeError: If it is nearer to the part somewhere.
         OffsetError: If it is farther than that, or a region is missing or too much.
     """
-    from .offset_check_kernel import lost, measured, segments_of
+    from .offset_whole_kernel import part_of, verdict
 
-    R = segments_of(result.vertices, result.bulges, result.starts)
-    Q = segments_of(part.vertices, part.bulges, part.starts)
-    if len(R):
-        found = np.empty(6)
-        slack = max(reach - 1.0, 1e-6) * distance + 4.0 * tolerance
-        measured(R, Q, distance, slack, found)
-        least, x, y, most, u, v = found.tolist()
-        if not least >= distance - tolerance:
-            raise GougeError((x, y), distance - least, "this is a fault of the offset: report it")
-        if not most <= reach * distance + tolerance:
-            raise OffsetError(distance, f"{most - distance:.3g} m too far from the part", (u, v))
-    missed, x, y = lost(R, Q, (distance, reach * distance), _PROBES, outward)
-    if missed:
+    raise_of(
+        verdict(
+            (result.vertices, result.bulges, result.starts),
+            part_of(part.vertices, part.bulges, part.starts),
+            (distance, reach),
+            tolerance,
+            1.0 if outward else 0.0,
+        ),
+        distance,
+    )
+
+
+def raise_of(said: tuple[float, float, float, float], distance: float) -> None:
+    """Raise what a verdict says, if it says something."""
+    kind, x, y, off = said
+    if kind == 1.0:
+        raise GougeError((x, y), off, "this is a fault of the offset: report it")
+    if kind == 2.0:
+        raise OffsetError(distance, f"{off:.3g} m too far from the part", (x, y))
+    if kind != 0.0:
         raise OffsetError(distance, "a region is missing or too much", (x, y))

@@ -3,7 +3,8 @@
 A segment here is a row ``ax ay bx by turn cx cy r``: where it begins and ends, how far it turns (at
 most half a turn), and centre and radius; of a line the radius is infinite. Distances are taken
 between points that lie on the segments, wherever rounding puts the centre of an arc that is nearly
-straight.
+straight. What is searched is in a tree of boxes over segments in their order: node 1 is the root,
+node j has the children 2 j and 2 j + 1, the last half of the nodes are runs of a few segments.
 """
 
 import math
@@ -13,57 +14,72 @@ import numpy as np
 from splinearm.arrays import FloatArray
 from splinearm.compiled import fast_kernel
 
-_FLAT = 100.0
+FLAT = 100.0
 """Arcs of a larger radius are searched along the chord; parts are of about the size 1."""
 _STRAIGHT = 1e5
 """Arcs of a larger radius cross where their chords do."""
+
 _SAME = 1e-9
-_RUN = 8
-_RUNS = 8
+_ROUNDING = 1e-13
+RUN = 4
 
 
 @fast_kernel
 def segments_of(vertices: FloatArray, bulges: FloatArray, starts: FloatArray) -> FloatArray:
     """Give closed loops as rows of segments, arcs over half a turn in two."""
+    return loops_of_segments(vertices, bulges, starts)[0]
+
+
+@fast_kernel
+def loops_of_segments(
+    vertices: FloatArray, bulges: FloatArray, starts: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Give closed loops as rows of segments, and the first of each loop and how many there are."""
     m = vertices.shape[0]
     Q = np.empty((2 * m, 8))
+    firsts = np.zeros(starts.shape[0])
     n = 0
     for loop in range(starts.shape[0] - 1):
         first, end = int(starts[loop]), int(starts[loop + 1])
+        firsts[loop] = n
         for i in range(first, end):
             j = i + 1 if i + 1 < end else first
             ax, ay, bx, by = vertices[i, 0], vertices[i, 1], vertices[j, 0], vertices[j, 1]
             if ax == bx and ay == by:
                 continue
-            turn = 4.0 * math.atan(bulges[i])
-            parts = 2 if abs(turn) > math.pi * (1.0 + 1e-12) else 1
-            for part in range(parts):
-                px, py, qx, qy = ax, ay, bx, by
-                if parts == 2:
-                    # the middle of the arc stands over that of the chord by half bulge times chord
-                    mx = 0.5 * (ax + bx) + 0.5 * bulges[i] * (by - ay)
-                    my = 0.5 * (ay + by) - 0.5 * bulges[i] * (bx - ax)
-                    px, py = (ax, ay) if part == 0 else (mx, my)
-                    qx, qy = (mx, my) if part == 0 else (bx, by)
-                _set(Q, n, (px, py, qx, qy), turn / parts)
+            bulge = bulges[i]
+            if abs(bulge) <= 1.0 + 1e-12:
+                _set(Q, n, (ax, ay, bx, by), bulge)
                 n += 1
-    return Q[:n]
+                continue
+            # the middle of the arc stands over that of the chord by half bulge times chord; of half
+            # the turn the bulge is tan(t / 8) where it was tan(t / 4)
+            mx = 0.5 * (ax + bx) + 0.5 * bulge * (by - ay)
+            my = 0.5 * (ay + by) - 0.5 * bulge * (bx - ax)
+            half = bulge / (1.0 + math.sqrt(1.0 + bulge * bulge))
+            _set(Q, n, (ax, ay, mx, my), half)
+            _set(Q, n + 1, (mx, my, bx, by), half)
+            n += 2
+    firsts[starts.shape[0] - 1] = n
+    return Q[:n], firsts
 
 
 @fast_kernel
-def _set(Q: FloatArray, n: int, ends: tuple[float, float, float, float], turn: float) -> None:
+def _set(Q: FloatArray, n: int, ends: tuple[float, float, float, float], bulge: float) -> None:
     """Write a segment."""
     ax, ay, bx, by = ends
-    Q[n, 0], Q[n, 1], Q[n, 2], Q[n, 3], Q[n, 4] = ax, ay, bx, by, turn
-    Q[n, 5], Q[n, 6], Q[n, 7] = 0.0, 0.0, math.inf
-    if turn != 0.0:
-        h = 0.5 / math.tan(0.5 * turn)
+    Q[n, 0], Q[n, 1], Q[n, 2], Q[n, 3] = ax, ay, bx, by
+    Q[n, 4], Q[n, 5], Q[n, 6], Q[n, 7] = 0.0, 0.0, 0.0, math.inf
+    if bulge != 0.0:
+        h = 0.25 * (1.0 - bulge * bulge) / bulge
+        c = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
+        Q[n, 4] = 4.0 * math.atan(bulge)
         Q[n, 5], Q[n, 6] = 0.5 * (ax + bx) - h * (by - ay), 0.5 * (ay + by) + h * (bx - ax)
-        Q[n, 7] = 0.5 * math.hypot(bx - ax, by - ay) / abs(math.sin(0.5 * turn))
+        Q[n, 7] = 0.25 * c * (1.0 + bulge * bulge) / abs(bulge)
 
 
 @fast_kernel
-def _foot(Q: FloatArray, i: int, x: float, y: float) -> tuple[float, float]:
+def foot(Q: FloatArray, i: int, x: float, y: float) -> tuple[float, float]:
     """Give the point of a segment that is nearest to a point."""
     ax, ay, bx, by, turn = Q[i, 0], Q[i, 1], Q[i, 2], Q[i, 3], Q[i, 4]
     ex, ey = bx - ax, by - ay
@@ -71,7 +87,7 @@ def _foot(Q: FloatArray, i: int, x: float, y: float) -> tuple[float, float]:
     if Q[i, 7] == math.inf:
         t = max(0.0, min(1.0, ((x - ax) * ex + (y - ay) * ey) / c2))
         return ax + t * ex, ay + t * ey
-    if Q[i, 7] > _FLAT:
+    if Q[i, 7] > FLAT:
         return _flat_foot(Q, i, x, y, c2)
     cx, cy = Q[i, 5], Q[i, 6]
     px, py = x - cx, y - cy
@@ -113,48 +129,55 @@ def _flat_foot(Q: FloatArray, i: int, x: float, y: float, c2: float) -> tuple[fl
 
 
 @fast_kernel
-def _gap(Q: FloatArray, i: int, x: float, y: float) -> float:
-    """Give how far a point is from a segment."""
-    fx, fy = _foot(Q, i, x, y)
-    far: float = math.sqrt((x - fx) ** 2 + (y - fy) ** 2)
-    return far
+def _gap2(Q: FloatArray, i: int, x: float, y: float) -> float:
+    """Give the square of how far a point is from a segment."""
+    fx, fy = foot(Q, i, x, y)
+    far2: float = (x - fx) ** 2 + (y - fy) ** 2
+    return far2
 
 
 @fast_kernel
-def _least(R: FloatArray, r: int, Q: FloatArray, i: int, best: float) -> tuple[float, float, float]:
-    """Give the least distance of two segments if below a bound, and where on the first it is."""
-    bx, by = 0.5 * (R[r, 0] + R[r, 2]), 0.5 * (R[r, 1] + R[r, 3])
-    # the least is at an end of either, or where they have one normal: on a line through a centre
-    for k in range(6):
-        if k == 0:
-            x, y = R[r, 0], R[r, 1]
-        elif k == 1:
-            x, y = R[r, 2], R[r, 3]
-        elif k == 2:
-            x, y = _foot(R, r, Q[i, 0], Q[i, 1])
-        elif k == 3:
-            x, y = _foot(R, r, Q[i, 2], Q[i, 3])
-        elif k == 4:
-            if Q[i, 7] == math.inf:
-                if R[r, 7] == math.inf:
-                    continue
-                # the point of the arc farthest along the line's normal, to the side of the line
-                ex, ey = Q[i, 2] - Q[i, 0], Q[i, 3] - Q[i, 1]
-                c = math.hypot(ex, ey)
-                side = (R[r, 5] - Q[i, 0]) * ey - (R[r, 6] - Q[i, 1]) * ex
-                step = -R[r, 7] if side > 0.0 else R[r, 7]
-                x, y = _foot(R, r, R[r, 5] + step * ey / c, R[r, 6] - step * ex / c)
-            else:
-                x, y = _foot(R, r, Q[i, 5], Q[i, 6])
-        else:
-            if R[r, 7] == math.inf or Q[i, 7] == math.inf:
-                continue
+def gap(Q: FloatArray, i: int, x: float, y: float) -> float:
+    """Give how far a point is from a segment."""
+    return math.sqrt(_gap2(Q, i, x, y))
+
+
+@fast_kernel
+def nearest_of(R: FloatArray, r: int, Q: FloatArray, i: int) -> tuple[float, float, float]:
+    """Give the least distance of two segments that do not meet, and where on the first it is."""
+    # it is at an end of either, or where they have one normal: on a line through a centre
+    bx, by = R[r, 0], R[r, 1]
+    best = _gap2(Q, i, bx, by)
+    far2 = _gap2(Q, i, R[r, 2], R[r, 3])
+    if far2 < best:
+        best, bx, by = far2, R[r, 2], R[r, 3]
+    for end in (0, 2):
+        x, y = foot(R, r, Q[i, end], Q[i, end + 1])
+        far2 = (x - Q[i, end]) ** 2 + (y - Q[i, end + 1]) ** 2
+        if far2 < best:
+            best, bx, by = far2, x, y
+    if Q[i, 7] < math.inf:
+        x, y = foot(R, r, Q[i, 5], Q[i, 6])
+        far2 = _gap2(Q, i, x, y)
+        if far2 < best:
+            best, bx, by = far2, x, y
+        if R[r, 7] < math.inf:
             # the other of the two points on the line through both centres
-            x, y = _foot(R, r, 2.0 * R[r, 5] - Q[i, 5], 2.0 * R[r, 6] - Q[i, 6])
-        far = _gap(Q, i, x, y)
-        if far < best:
-            best, bx, by = far, x, y
-    return best, bx, by
+            x, y = foot(R, r, 2.0 * R[r, 5] - Q[i, 5], 2.0 * R[r, 6] - Q[i, 6])
+            far2 = _gap2(Q, i, x, y)
+            if far2 < best:
+                best, bx, by = far2, x, y
+    elif R[r, 7] < math.inf:
+        # the point of the arc farthest along the line's normal, to the side of the line
+        ex, ey = Q[i, 2] - Q[i, 0], Q[i, 3] - Q[i, 1]
+        c = math.sqrt(ex * ex + ey * ey)
+        side = (R[r, 5] - Q[i, 0]) * ey - (R[r, 6] - Q[i, 1]) * ex
+        step = math.copysign(R[r, 7] / c, -side)
+        x, y = foot(R, r, R[r, 5] + step * ey, R[r, 6] - step * ex)
+        far2 = _gap2(Q, i, x, y)
+        if far2 < best:
+            best, bx, by = far2, x, y
+    return math.sqrt(best), bx, by
 
 
 @fast_kernel
@@ -171,7 +194,7 @@ def _crosses(R: FloatArray, r: int, Q: FloatArray, i: int) -> bool:
 
 
 @fast_kernel
-def _meet(R: FloatArray, r: int, Q: FloatArray, i: int, same: float) -> bool:
+def meet(R: FloatArray, r: int, Q: FloatArray, i: int, same: float) -> bool:
     """Say whether two segments have a point in common."""
     if Q[i, 7] < R[r, 7]:
         R, r, Q, i = Q, i, R, r
@@ -200,105 +223,60 @@ def _meet(R: FloatArray, r: int, Q: FloatArray, i: int, same: float) -> bool:
     half = math.sqrt((s - off) * (s + off))
     for sign in (-1.0, 1.0):
         x, y = ox - sign * half * ny, oy + sign * half * nx
-        if _gap(R, r, x, y) <= same and _gap(Q, i, x, y) <= same:
+        if gap(R, r, x, y) <= same and gap(Q, i, x, y) <= same:
             return True
     return False
 
 
 @fast_kernel
-def _box(Q: FloatArray, i: int) -> tuple[float, float, float, float]:
-    """Give a box about a segment."""
-    ax, ay, bx, by = Q[i, 0], Q[i, 1], Q[i, 2], Q[i, 3]
-    # the arc is no farther from its chord than its height, which is the chord times the bulge / 2
-    h = 0.5 * math.hypot(bx - ax, by - ay) * abs(math.tan(0.25 * Q[i, 4]))
-    x0, x1, y0, y1 = min(ax, bx), max(ax, bx), min(ay, by), max(ay, by)
-    if h == 0.0:
-        return x0, y0, x1, y1
-    # of a half turn at most, each end leaves at most at a right angle: it stays in this box
-    return x0 - h, y0 - h, x1 + h, y1 + h
+def height(Q: FloatArray, i: int) -> float:
+    """Give how high the middle of a segment stands over its chord, as a share of that."""
+    return 0.0 if Q[i, 7] == math.inf else 0.5 * math.tan(0.25 * Q[i, 4])
 
 
 @fast_kernel
-def _boxes(Q: FloatArray, size: int) -> FloatArray:
-    """Give the boxes about runs of so many segments."""
-    count = (Q.shape[0] + size - 1) // size
-    B = np.empty((count, 4))
-    for b in range(count):
+def middle(Q: FloatArray, i: int) -> tuple[float, float]:
+    """Give the middle of a segment."""
+    h = height(Q, i)
+    x = 0.5 * (Q[i, 0] + Q[i, 2]) + h * (Q[i, 3] - Q[i, 1])
+    y = 0.5 * (Q[i, 1] + Q[i, 3]) - h * (Q[i, 2] - Q[i, 0])
+    return x, y
+
+
+@fast_kernel
+def tree_about(Q: FloatArray) -> FloatArray:
+    """Give the tree of boxes about segments."""
+    leaves = 1
+    while leaves * RUN < Q.shape[0]:
+        leaves *= 2
+    T = np.empty((2 * leaves, 4))
+    for leaf in range(leaves):
         x0, y0, x1, y1 = math.inf, math.inf, -math.inf, -math.inf
-        for i in range(b * size, min(Q.shape[0], b * size + size)):
-            u0, v0, u1, v1 = _box(Q, i)
-            x0, y0, x1, y1 = min(x0, u0), min(y0, v0), max(x1, u1), max(y1, v1)
-        B[b, 0], B[b, 1], B[b, 2], B[b, 3] = x0, y0, x1, y1
-    return B
+        for i in range(leaf * RUN, min(Q.shape[0], leaf * RUN + RUN)):
+            ax, ay, bx, by = Q[i, 0], Q[i, 1], Q[i, 2], Q[i, 3]
+            # the arc is no farther from its chord than its height; of half a turn at most, each
+            # end leaves at most at a right angle
+            h = 0.0
+            if Q[i, 7] < math.inf:
+                h = abs(height(Q, i)) * math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
+            x0, x1 = min(x0, min(ax, bx) - h), max(x1, max(ax, bx) + h)
+            y0, y1 = min(y0, min(ay, by) - h), max(y1, max(ay, by) + h)
+        T[leaves + leaf, 0], T[leaves + leaf, 1] = x0, y0
+        T[leaves + leaf, 2], T[leaves + leaf, 3] = x1, y1
+    for node in range(leaves - 1, 0, -1):
+        left, right = 2 * node, 2 * node + 1
+        T[node, 0], T[node, 1] = min(T[left, 0], T[right, 0]), min(T[left, 1], T[right, 1])
+        T[node, 2], T[node, 3] = max(T[left, 2], T[right, 2]), max(T[left, 3], T[right, 3])
+    return T
 
 
 @fast_kernel
-def _apart(B: FloatArray, b: int, box: tuple[float, float, float, float], reach: float) -> bool:
-    """Say whether two boxes are farther from each other than a reach."""
-    dx = max(B[b, 0] - box[2], 0.0, box[0] - B[b, 2])
-    dy = max(B[b, 1] - box[3], 0.0, box[1] - B[b, 3])
-    farther: bool = dx * dx + dy * dy > reach * reach
-    return farther
-
-
-@fast_kernel
-def _inside(Q: FloatArray, x: float, y: float) -> bool:
-    """Say whether closed segments go around a point."""
-    # by crossings of the ray to larger x: with the chord, and with the arc where the point lies
-    # between both, which is where it is in the disc and on the arc's side of the chord
-    odd = False
-    for i in range(Q.shape[0]):
-        ax, ay, bx, by = Q[i, 0], Q[i, 1], Q[i, 2], Q[i, 3]
-        if (ay > y) != (by > y) and x < ax + (y - ay) / (by - ay) * (bx - ax):
-            odd = not odd
-        if Q[i, 7] < math.inf:
-            side = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
-            if side * Q[i, 4] < 0.0:
-                px, py = x - Q[i, 5], y - Q[i, 6]
-                within = px * px + py * py < Q[i, 7] * Q[i, 7]
-                if Q[i, 7] > _FLAT:
-                    fx, fy = _foot(Q, i, x, y)
-                    within = abs(side) < abs((bx - ax) * (fy - ay) - (by - ay) * (fx - ax))
-                if within:
-                    odd = not odd
-    return odd
-
-
-@fast_kernel
-def lost(
-    R: FloatArray, Q: FloatArray, reaches: tuple[float, float], probes: int, outward: bool
-) -> tuple[bool, float, float]:
-    """Look whether a result is all there is: give False, or True and a place that it misses.
-
-    Points just farther from the part than its corners reach, beside its segments and to their left,
-    must lie inside of the result (outward: outside of what its loops enclose), and points just
-    nearer than the distance must not.
-    """
-    coarse, fine = _boxes(Q, _RUN * _RUNS), _boxes(Q, _RUN)
-    n = Q.shape[0]
-    step = max(1, n // probes)
-    for i in range(0, n, step):
-        ex, ey = Q[i, 2] - Q[i, 0], Q[i, 3] - Q[i, 1]
-        c = math.hypot(ex, ey)
-        h = 0.5 * math.tan(0.25 * Q[i, 4])
-        mx = 0.5 * (Q[i, 0] + Q[i, 2]) + h * ey
-        my = 0.5 * (Q[i, 1] + Q[i, 3]) - h * ex
-        for wanted in (True, False):
-            d = reaches[1] if wanted else reaches[0]
-            beyond = (1.0 + 1e-6) * d if wanted else (1.0 - 1e-6) * d
-            x, y = mx - beyond * ey / c, my + beyond * ex / c
-            far = math.inf
-            for b in range(coarse.shape[0]):
-                if _apart(coarse, b, (x, y, x, y), d):
-                    continue
-                for f in range(b * _RUNS, min(fine.shape[0], b * _RUNS + _RUNS)):
-                    if not _apart(fine, f, (x, y, x, y), d):
-                        for k in range(f * _RUN, min(n, f * _RUN + _RUN)):
-                            far = min(far, _gap(Q, k, x, y))
-            clear = far > d * (1.0 + 1e-7) if wanted else far < d * (1.0 - 1e-7)
-            if clear and (_inside(R, x, y) != outward) != wanted:
-                return True, x, y
-    return False, 0.0, 0.0
+def beyond2(T: FloatArray, node: int, x: float, y: float) -> float:
+    """Give the square of how far a point is from a box."""
+    dx = max(T[node, 0] - x, 0.0, x - T[node, 2])
+    dy = max(T[node, 1] - y, 0.0, y - T[node, 3])
+    far2: float = dx * dx + dy * dy
+    return far2
 
 
 @fast_kernel
@@ -313,41 +291,102 @@ def measured(R: FloatArray, Q: FloatArray, d: float, slack: float, found: FloatA
         found: The least distance anywhere and where (x, y); the largest distance of an end or a
             middle and where (x, y); infinite if beyond d and the slack. Shape (6,).
     """
-    coarse, fine, single = _boxes(Q, _RUN * _RUNS), _boxes(Q, _RUN), _boxes(Q, 1)
-    n = Q.shape[0]
+    touching(R, Q, tree_about(Q), (d, slack), found)
+
+
+@fast_kernel
+def _bound(
+    Q: FloatArray,
+    i: int,
+    spot: tuple[float, float],
+    run: tuple[float, float, float],
+    sag: float,
+) -> float:
+    """Give what a segment is at least away from another.
+
+    Args:
+        Q: Segments.
+        i: The one of them.
+        spot: The middle of the other.
+        run: The direction of its chord, and how far its ends are from its middle.
+        sag: How far it is from its chord at most.
+    """
+    ax, ay = Q[i, 0], Q[i, 1]
+    ex, ey = Q[i, 2] - ax, Q[i, 3] - ay
+    px, py = spot[0] - ax, spot[1] - ay
+    c2 = ex * ex + ey * ey
+    t = max(0.0, min(1.0, (px * ex + py * ey) / c2))
+    px -= t * ex
+    py -= t * ey
+    far = math.sqrt(px * px + py * py)
+    # along a line the distance from the chord is convex: it lies over its tangent
+    least = far - abs(px * run[0] + py * run[1]) / max(far, 1e-300) * run[2] - 2.0 * sag
+    # an arc of half a turn at most is no farther from its chord than that
+    bound: float = max(least, far - run[2]) - 0.25 * c2 / Q[i, 7]
+    return bound
+
+
+@fast_kernel
+def touching(
+    R: FloatArray, Q: FloatArray, T: FloatArray, reach: tuple[float, float], found: FloatArray
+) -> tuple[FloatArray, int]:
+    """Measure as `measured` does, and give which segments lie along each other, middles at least.
+
+    Returns:
+        Rows (segment of the part, segment of the result), and how many there are.
+    """
+    d, slack = reach
+    pairs = np.empty((4 * R.shape[0] + 16, 2))
+    leaves, count = T.shape[0] // 2, 0
+    stack = np.empty(128, np.int64)
     least, most = math.inf, 0.0
-    reach = d + slack
-    ends = np.empty(2)
     for r in range(R.shape[0]):
-        box = _box(R, r)
-        chord = math.sqrt((R[r, 2] - R[r, 0]) ** 2 + (R[r, 3] - R[r, 1]) ** 2)
-        # the middle of the arc stands over that of the chord
-        h = 0.5 * math.tan(0.25 * R[r, 4])
-        mx = 0.5 * (R[r, 0] + R[r, 2]) + h * (R[r, 3] - R[r, 1])
-        my = 0.5 * (R[r, 1] + R[r, 3]) - h * (R[r, 2] - R[r, 0])
-        ends[0], ends[1] = math.inf, math.inf
-        for b in range(coarse.shape[0]):
-            if _apart(coarse, b, box, reach):
+        mx, my = middle(R, r)
+        chord2 = (R[r, 2] - R[r, 0]) ** 2 + (R[r, 3] - R[r, 1]) ** 2
+        # of half a turn at most, nothing on it is farther from its middle than its ends
+        h = height(R, r)
+        half = math.sqrt(chord2 * (0.25 + h * h))
+        sag, chord = abs(h) * math.sqrt(chord2), math.sqrt(chord2)
+        wx, wy = (R[r, 2] - R[r, 0]) / chord, (R[r, 3] - R[r, 1]) / chord
+        wide = (d + slack + half) ** 2
+        at_start, at_middle = math.inf, math.inf
+        stack[0], top = 1, 1
+        while top > 0:
+            top -= 1
+            node = stack[top]
+            if beyond2(T, node, mx, my) > wide:
                 continue
-            for f in range(b * _RUNS, min(fine.shape[0], b * _RUNS + _RUNS)):
-                if _apart(fine, f, box, reach):
+            if node < leaves:
+                stack[top], stack[top + 1] = 2 * node, 2 * node + 1
+                top += 2
+                continue
+            first = (node - leaves) * RUN
+            for i in range(first, min(Q.shape[0], first + RUN)):
+                bound = _bound(Q, i, (mx, my), (wx, wy, half), sag)
+                if bound > d + slack:
                     continue
-                for i in range(f * _RUN, min(n, f * _RUN + _RUN)):
-                    if _apart(single, i, box, reach):
-                        continue
-                    if ends[0] > d:  # else it is near enough
-                        ends[0] = min(ends[0], _gap(Q, i, R[r, 0], R[r, 1]))
-                    far = _gap(Q, i, mx, my)
-                    ends[1] = min(ends[1], far)
-                    if far - 0.7072 * chord >= least:
-                        continue  # nowhere on it nearer than elsewhere
-                    near, x, y = _least(R, r, Q, i, least)
+                far = gap(Q, i, mx, my)
+                at_middle = min(at_middle, far)
+                if at_start > d + _ROUNDING:  # else it is near enough
+                    at_start = min(at_start, gap(Q, i, R[r, 0], R[r, 1]))
+                if bound >= d - _ROUNDING:
+                    least = min(least, bound)
+                else:
+                    near, x, y = nearest_of(R, r, Q, i)
                     if near < least:
                         least, found[1], found[2] = near, x, y
-                    if far < 0.7072 * chord and _meet(R, r, Q, i, min(_SAME, 1e-3 * d)):
-                        least, found[1], found[2] = 0.0, mx, my
-        for k in range(2):
-            if ends[k] > most:
-                most = ends[k]
-                found[4], found[5] = (R[r, 0], R[r, 1]) if k == 0 else (mx, my)
+                if far < half and meet(R, r, Q, i, min(_SAME, 1e-3 * d)):
+                    least, found[1], found[2] = 0.0, mx, my
+                if far <= d + slack:
+                    if count == pairs.shape[0]:
+                        wider = np.empty((2 * count, 2))
+                        wider[:count] = pairs
+                        pairs = wider
+                    pairs[count, 0], pairs[count, 1] = i, r
+                    count += 1
+        if at_start > most:
+            most, found[4], found[5] = at_start, R[r, 0], R[r, 1]
+        if at_middle > most:
+            most, found[4], found[5] = at_middle, mx, my
     found[0], found[3] = least, most
+    return pairs, count
