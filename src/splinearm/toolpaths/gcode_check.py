@@ -14,6 +14,7 @@ from .action import Action, ArcFeed, Cutting, Feed, Move, Rapid, SplineFeed
 from .gcode_dialect import Dialect
 from .gcode_interpreter import run_gcode_text
 from .gcode_machine import NcMachine, NcTool
+from .gcode_state import MM
 from .gcode_writer import write_gcode
 
 _LOOKS = np.linspace(0.0, 1.0, 17)
@@ -55,7 +56,7 @@ def require_same(plan: Iterable[Action], text: str, dialect: Dialect) -> None:
         read = run_gcode_text(text, NcMachine(tools=tools))
     except GcodeError as error:
         raise ToolpathError(f"the written program cannot be read again: {error}") from error
-    wanted, found = _Trail.of(plan), _Trail.of(read)
+    wanted, found = _Trail.of(plan, dialect), _Trail.of(read, dialect)
     tolerance = 4.0 * dialect.resolution
     for way, again in zip_longest(wanted, found):
         if way is None or again is None:
@@ -73,8 +74,8 @@ class _Trail:
     line: int
 
     @classmethod
-    def of(cls, actions: Iterable[Action]) -> "list[_Trail]":
-        """Give the ways of actions; pieces of one curve that were written apart are one again."""
+    def of(cls, actions: Iterable[Action], dialect: Dialect) -> "list[_Trail]":
+        """Give the ways of actions, without those too short to be written."""
         trails: list[_Trail] = []
         place: FloatArray | None = None
         for action in actions:
@@ -82,7 +83,8 @@ class _Trail:
                 continue
             for part in _parts(action):
                 start = part[0] if place is None else place
-                if len(part) == 2 and np.abs(part[1] - start).max() < 1e-12:
+                if _is_crumb(start, part, dialect):
+                    place = part[-1]
                     continue
                 cuts = isinstance(action, Cutting)
                 feed = action.feed if isinstance(action, Cutting) else None
@@ -108,6 +110,13 @@ class _Trail:
         wanted, found = self.feed or 0.0, again.feed or 0.0
         if abs(found - wanted) > _FEED_SHARE * wanted:
             raise ToolpathError(f"line {again.line} of the written program has another feed")
+
+
+def _is_crumb(start: FloatArray, part: FloatArray, dialect: Dialect) -> bool:
+    """Say whether a way ends, as it is written, where it begins, and is no way around."""
+    ends = np.round(np.array([start, part[-1]]) / MM, dialect.decimals)
+    short = np.abs(part[1:] - start).max() <= 4.0 * dialect.resolution
+    return bool(short and (ends[0] == ends[1]).all())
 
 
 def _parts(move: Move) -> list[FloatArray]:

@@ -66,6 +66,8 @@ class _Writer:
     holding: dict[str, str] = field(default_factory=dict)
     """Modal words in force by group."""
     feed: str = ""
+    rises: bool = False
+    """Whether a rapid way only leads up, from wherever the tool is."""
 
     def program(self, actions: Iterable[Action], title: str) -> Iterator[str]:
         if self.dialect.program_marks:
@@ -75,7 +77,9 @@ class _Writer:
         yield "G17 G21 G40 G49 G54 G80 G90 G94" if self.dialect.tool_changes else "G17 G21 G90 G94"
         self.holding["plane"] = "G17"
         ended = False
-        for action in actions:
+        several = tuple(actions)
+        for i, action in enumerate(several):
+            self.rises = self.place is None and _rises(several[i:])
             yield from self.lines(action)
             ended = isinstance(action, Pause) and action.code in ("M2", "M30")
         if not ended:
@@ -93,7 +97,7 @@ class _Writer:
         """Give the lines of one action."""
         match action:
             case Rapid():
-                words = self.ends(action.end)
+                words = self.up(action) if self.rises else self.ends(action.end)
                 if words:
                     yield self.joined(self.hold("motion", "G0"), words)
             case Feed():
@@ -133,6 +137,8 @@ class _Writer:
         start = self.known(way)
         for part in _parts(way):
             end, centre = self.rounded(part.end), part.centre / MM
+            if abs(part.turn) < pi and (end == start).all():
+                continue  # written as an arc it would be a full circle
             a, b = (way.axis + 1) % 3, (way.axis + 2) % 3
             arm = np.zeros(3)
             arm[[a, b]] = self.rounded_array((centre - start)[[a, b]])
@@ -279,6 +285,12 @@ class _Writer:
         self.place = target
         return " ".join(words)
 
+    def up(self, way: Rapid) -> str:
+        """Give the word that leads up from wherever the tool is."""
+        z = self.rounded(way.end)[2]
+        self.place = np.array([np.nan, np.nan, z])
+        return f"{AXES[2].upper()}{self.number(z)}"
+
     def known(self, way: Cutting) -> FloatArray:
         """Give where the tool is, mm: where it was sent, which is where the way begins."""
         if self.place is None:
@@ -303,6 +315,15 @@ class _Writer:
     @staticmethod
     def joined(*words: str) -> str:
         return " ".join(word for word in words if word)
+
+
+def _rises(actions: tuple[Action, ...]) -> bool:
+    """Say whether actions begin with a rapid way straight up and go on with another."""
+    first = actions[0]
+    if not isinstance(first, Rapid) or (first.start[:2] != first.end[:2]).any():
+        return False
+    moves = (action for action in actions[1:] if isinstance(action, Rapid | Cutting))
+    return isinstance(next(moves, None), Rapid)
 
 
 def _parts(way: ArcFeed) -> list[ArcFeed]:

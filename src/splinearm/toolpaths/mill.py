@@ -1,0 +1,204 @@
+"""A cutter on its way: ways in the plane become what the machine does, level by level."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from splinearm.arrays import FloatArray
+
+from .action import Action, ArcFeed, Feed, Rapid
+from .clearance import Wall
+from .contour import Contour
+from .edge_feed import feeds_along
+from .operation import Milled, Milling, Notes, Run, Track
+from .stretch import stretch
+
+_STRAIGHT = 1e-9
+"""An arc that turns less than this, rad, is a line."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Way:
+    """A way in the plane with what its lines and arcs are made of."""
+
+    vertices: FloatArray
+    centres: FloatArray
+    lengths: FloatArray
+    turns: list[float]
+    feeds: list[float]
+
+
+@dataclass(slots=True, eq=False)
+class Mill:
+    """What a cutter has done so far, and where it is."""
+
+    setting: Milling
+    """The cutter and how it is used."""
+    wall: Wall | None = None
+    """What its middle keeps away from; None: nothing."""
+    actions: list[Action] = field(default_factory=list)
+    """What it has done."""
+    notes: Notes = field(default_factory=Notes)
+    """What there is to be told."""
+    place: FloatArray | None = None
+    """Where its tip is, shape (3,), m."""
+
+    def milled(self) -> Milled:
+        """Lift the cutter and give what it has done."""
+        self.lift()
+        return Milled(tuple(self.actions), self.notes.given())
+
+    def lift(self) -> None:
+        """Go up to where rapid ways are safe."""
+        if self.place is not None and self.place[2] != self.setting.safe:
+            self.rapid(np.array([self.place[0], self.place[1], self.setting.safe]))
+
+    def above(self, spot: FloatArray) -> None:
+        """Go over a place of the plane, at the safe height."""
+        if self.place is None:
+            # where the machine is nobody knows: it goes up before it goes anywhere
+            self.place = np.array([0.0, 0.0, 0.0])
+        self.lift()
+        self.rapid(np.array([spot[0], spot[1], self.setting.safe]))
+
+    def rapid(self, end: FloatArray) -> None:
+        """Go straight and quickly."""
+        if self.place is None:
+            self.place = np.zeros(3)
+        if (end != self.place).any():
+            self.actions.append(Rapid(start=self.place, end=end))
+            self.place = end
+
+    def straight(self, end: FloatArray, feed: float) -> None:
+        """Cut straight to a place."""
+        if self.place is None:
+            raise ValueError("straight: nobody knows where the cutter is; go above first")
+        if (end != self.place).any():
+            self.actions.append(
+                Feed(start=self.place, end=end, feed=feed, blend=self.setting.blend)
+            )
+            self.place = end
+
+    def drop(self, z: float) -> None:
+        """Go straight down (or up) at the feed for that."""
+        if self.place is None:
+            raise ValueError("drop: nobody knows where the cutter is; go above first")
+        self.straight(np.array([self.place[0], self.place[1], z]), self.setting.cutter.plunge)
+
+    def down_to(self, surface: float) -> None:
+        """Go quickly down to just above material that begins at a height."""
+        if self.place is None:
+            raise ValueError("down_to: nobody knows where the cutter is; go above first")
+        height = min(surface + self.setting.gap, self.setting.safe)
+        if self.place[2] > height:
+            self.rapid(np.array([self.place[0], self.place[1], height]))
+
+    def follow(self, track: Track, z: float, feed: float | None = None) -> None:
+        """Cut along a way that begins where the cutter is, ending at a height."""
+        way = self._way((track,))
+        if feed is not None:
+            way = replace(way, feeds=[feed] * len(way.feeds))
+        self._along(way, z)
+
+    def _way(self, tracks: Sequence[Track]) -> "_Way":
+        """Give ways one after the other as one, with the feeds along it."""
+        cutter = self.setting.cutter
+        vertices = np.concatenate(
+            [tracks[0].path.vertices[:1], *(track.path.vertices[1:] for track in tracks)]
+        )
+        bulges = np.concatenate([track.path.bulges for track in tracks])
+        walls = np.repeat([t.wall for t in tracks], [len(t.path.bulges) for t in tracks])
+        path = Contour.made(vertices, bulges, closed=False)
+        lengths, turns = path.lengths, path.turns
+        feeds = feeds_along(lengths, turns, walls, cutter.feed, cutter.radius)
+        way = np.diff(vertices, axis=0)
+        safe = np.where(np.abs(turns) < _STRAIGHT, 1.0, bulges)
+        off = 0.25 * (1.0 / safe - safe)[:, None]
+        across = np.stack((-way[:, 1], way[:, 0]), axis=1)
+        centres = 0.5 * (vertices[1:] + vertices[:-1]) + off * across
+        return _Way(vertices, centres, lengths, turns.tolist(), feeds.tolist())
+
+    def _along(self, way: "_Way", z: float) -> None:
+        if self.place is None:
+            raise ValueError("follow: nobody knows where the cutter is; go above first")
+        places = np.empty((len(way.vertices), 3))
+        places[:, :2] = way.vertices
+        places[:, 2] = z
+        if self.place[2] != z:
+            shares = np.cumsum(way.lengths[:-1]) / way.lengths.sum()
+            places[1:-1, 2] = self.place[2] + shares * (z - self.place[2])
+        places[0] = self.place
+        centres = np.empty((len(way.centres), 3))
+        centres[:, :2] = way.centres
+        centres[:, 2] = places[:-1, 2]
+        at = list(places)
+        add, blend = self.actions.append, self.setting.blend
+        for k, (turn, feed, length) in enumerate(
+            zip(way.turns, way.feeds, way.lengths.tolist(), strict=True)
+        ):
+            if length == 0.0:
+                continue
+            start, end = at[k], at[k + 1]
+            if -_STRAIGHT < turn < _STRAIGHT:
+                add(Feed(start=start, end=end, feed=feed, blend=blend))
+            else:
+                arc = ArcFeed(
+                    start=start,
+                    end=end,
+                    feed=feed,
+                    blend=blend,
+                    centre=centres[k],
+                    axis=2,
+                    turn=turn,
+                )
+                add(arc)
+        self.place = at[-1]
+
+    def follow_over(self, track: Track, z: float, over: float) -> None:
+        """Cut along a way, lifted to a height where tabs stay."""
+        size, at = track.path.length, 0.0
+        for begin, end in track.lifted:
+            self.follow(replace(track, path=stretch(track.path, at, begin)), z)
+            self.drop(over)
+            self.follow(replace(track, path=stretch(track.path, begin, end)), over)
+            self.drop(z)
+            at = end
+        self.follow(replace(track, path=stretch(track.path, at, size)), z)
+
+    def cut(
+        self,
+        runs: Iterable[Run],
+        levels: Sequence[float],
+        *,
+        whole: bool = False,
+        over: float | None = None,
+    ) -> None:
+        """Cut runs at all levels.
+
+        Args:
+            runs: What is cut.
+            levels: Heights, falling.
+            whole: Whether each run is cut to the end before the next; else level by level.
+            over: To which height the cutter is lifted over tabs, m.
+        """
+        from .entry import enter
+
+        several = tuple(runs)
+        surfaces = (self.setting.top, *levels[:-1])
+        passes = list(zip(levels, surfaces, strict=True))
+        if whole:
+            plan = [(run, level) for run in several for level in passes]
+        else:
+            plan = [(run, level) for level in passes for run in several]
+        ways = {id(run): self._way(run.tracks) for run in several}
+        for run, (z, surface) in plan:
+            enter(self, run, z, surface)
+            if over is None or z >= over or not any(track.lifted for track in run.tracks):
+                self._along(ways[id(run)], z)
+                continue
+            for track in run.tracks:
+                if track.lifted:
+                    self.follow_over(track, z, over)
+                else:
+                    self.follow(track, z)

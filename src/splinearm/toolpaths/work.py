@@ -1,0 +1,217 @@
+"""Operations on a drawing: which wires, which cutter, how; carried out one after the other."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from splinearm.arrays import FloatArray
+from splinearm.errors import DrawingError
+
+from .action import Action
+from .chain import Chaining, Wire, chain
+from .contour import Contour
+from .cutter import Tip
+from .drawing import Drawing
+from .drill import drill
+from .engrave import engrave
+from .joining import joined_program
+from .nesting import Nested, circles, contour_of, nested
+from .operation import Milled, Milling, Side
+from .pocket import pocket
+from .profile_pass import profile
+from .region import Region
+from .spiral import spiral
+from .tab import Tabs
+from .verify_part import Zone
+from .zigzag import facing, zigzag
+
+
+class Kind(StrEnum):
+    """What is done."""
+
+    PROFILE = "profile"
+    POCKET = "pocket"
+    ZIGZAG = "zigzag"
+    SPIRAL = "spiral"
+    FACING = "facing"
+    DRILL = "drill"
+    ENGRAVE = "engrave"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Work:
+    """An operation on a drawing."""
+
+    kind: Kind
+    """What is done."""
+    milling: Milling
+    """The cutter and how it is used."""
+    layers: tuple[str, ...] = ()
+    """The layers on which it is done; none: all."""
+    side: Side = Side.OUTSIDE
+    """On which side of contours a profile goes."""
+    tabs: Tabs | None = None
+    """Where a profile leaves tabs; None: nowhere."""
+    angle: float = 0.0
+    """The direction of lines to and fro, rad."""
+    peck: float | None = None
+    """After so much depth a drill comes out, m; None: never."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Exactness:
+    """How a drawing is taken."""
+
+    joining: float = 1e-5
+    """Ends nearer than this are one place, m."""
+    tolerance: float = 1e-5
+    """How far ways may be beside what they should be because of splines, m."""
+    splines: bool = True
+    """Whether the controller has splines."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Done:
+    """An operation that was carried out."""
+
+    work: Work
+    """The operation."""
+    chaining: Chaining
+    """What the drawing had for it."""
+    milled: Milled
+    """What it gave."""
+    zone: Zone | None
+    """What may be cut, for the verification; None: there is no part to compare with."""
+    slack: float
+    """By how much arcs may be beside splines, m."""
+
+
+def carry_out(
+    drawing: Drawing,
+    works: Sequence[Work],
+    exactness: Exactness | None = None,
+    *,
+    each: Callable[[Done], None] | None = None,
+) -> tuple[tuple[Action, ...], tuple[Done, ...]]:
+    """Give the program of operations on a drawing, and what each of them did.
+
+    Args:
+        drawing: The drawing.
+        works: The operations, in order.
+        exactness: How the drawing is taken.
+        each: Called after each operation.
+
+    Raises:
+        ToolpathError: If a drawing has nothing for an operation, or it cannot be done.
+        ValueError: If what is asked for makes no sense.
+    """
+    exactness = exactness or Exactness()
+    done: list[Done] = []
+    for work in works:
+        one = _carry_out(drawing, work, exactness)
+        done.append(one)
+        if each is not None:
+            each(one)
+    actions = joined_program([(one.work.milling.cutter, one.milled) for one in done])
+    return actions, tuple(done)
+
+
+def _carry_out(drawing: Drawing, work: Work, exactness: Exactness) -> Done:
+    sheet = drawing.on_layers(*work.layers) if work.layers else drawing
+    chaining = chain(sheet.pieces, exactness.joining)
+    if work.kind is Kind.ENGRAVE:
+        wires = chaining.wires
+        if not exactness.splines:
+            wires = tuple(_plain(wire, exactness.tolerance) for wire in wires)
+        return Done(work, chaining, engrave(wires, work.milling), None, 0.0)
+    if work.kind is Kind.DRILL:
+        return _drilled(sheet, work, chaining)
+    closed = [wire for wire in chaining.wires if wire.closed]
+    if not closed:
+        raise DrawingError(
+            sheet.file, _named(work), f"needs closed wires; there is none{_open_ends(chaining)}"
+        )
+    around = nested(closed, exactness.tolerance)
+    milling = _with_slack(work.milling, around.slack)
+    milled = _told(_milled(work, around, milling), chaining)
+    return Done(work, chaining, milled, _zone(work, around), around.slack)
+
+
+def _milled(work: Work, around: Nested, milling: Milling) -> Milled:
+    match work.kind:
+        case Kind.PROFILE:
+            return profile(around.regions, milling, work.side, work.tabs)
+        case Kind.POCKET:
+            return pocket(around.regions, milling)
+        case Kind.ZIGZAG:
+            return zigzag(around.regions, milling, work.angle)
+        case Kind.SPIRAL:
+            return spiral(around.regions, milling)
+        case _:
+            return facing(around.regions, milling, work.angle)
+
+
+def _drilled(sheet: Drawing, work: Work, chaining: Chaining) -> Done:
+    middles, diameters = circles(chaining.wires)
+    if not len(middles):
+        raise DrawingError(sheet.file, _named(work), "needs circles; there is none")
+    milled = drill(middles, work.milling, work.peck)
+    wide = work.milling.cutter.diameter
+    notes = list(milled.notes)
+    others = sorted({round(d * 1e3, 6) for d in diameters if abs(d - wide) > 1e-6})
+    if others:
+        drawn = ", ".join(f"{d:g}" for d in others)
+        notes.append(f"circles of {drawn} mm are drilled with {wide * 1e3:g} mm")
+    holes = tuple(Region(Contour.circle(middle, 0.5 * wide)) for middle in middles)
+    flat = work.milling.cutter.tip is Tip.FLAT
+    zone = Zone(regions=holes, floor=_floor(work.milling), cleared=flat)
+    return Done(work, chaining, Milled(milled.actions, tuple(notes)), zone, 0.0)
+
+
+def _told(milled: Milled, chaining: Chaining) -> Milled:
+    open_ = sum(not wire.closed for wire in chaining.wires)
+    if not open_:
+        return milled
+    note = f"{open_} open wires enclose nothing and are left out{_open_ends(chaining)}"
+    return Milled(milled.actions, (*milled.notes, note))
+
+
+def _zone(work: Work, around: Nested) -> Zone | None:
+    floor = _floor(work.milling)
+    if work.kind in (Kind.POCKET, Kind.ZIGZAG, Kind.SPIRAL):
+        return Zone(regions=around.regions, floor=floor)
+    if work.kind is not Kind.PROFILE or work.side is Side.ON:
+        return None
+    return Zone(
+        regions=around.regions,
+        floor=floor,
+        side="outside" if work.side is Side.OUTSIDE else "inside",
+        cleared=False,
+        tab_height=0.0 if work.tabs is None else work.tabs.height,
+    )
+
+
+def _floor(milling: Milling) -> float:
+    return milling.top - milling.depth
+
+
+def _with_slack(milling: Milling, slack: float) -> Milling:
+    return replace(milling, slack=milling.slack + slack) if slack else milling
+
+
+def _plain(wire: Wire, tolerance: float) -> Wire:
+    contour = contour_of(wire, tolerance)
+    return Wire(contour.pieces(), contour.closed)
+
+
+def _named(work: Work) -> str:
+    on = f" on layer {', '.join(work.layers)}" if work.layers else ""
+    return f"{work.kind}{on}"
+
+
+def _open_ends(chaining: Chaining) -> str:
+    ends: Iterable[FloatArray] = chaining.open_ends[:4]
+    places = ", ".join("({:.6g}, {:.6g})".format(*(np.asarray(p) * 1e3)) for p in ends)
+    return f"; ends are open at {places} mm" if places else ""
