@@ -2,8 +2,8 @@
 
 Run it on one core, for example ``taskset -c 1 python benchmarks/toolpaths_spline.py``. The methods
 of the literature are written here from their descriptions and may stray to both sides of the
-offset; ours lies beyond it only. Tolerances are shares of the size of a curve. OpenCASCADE is taken
-if ``OCP`` is installed.
+offset; ours lies beyond it only, and a second row of each gives what they take if they must, too.
+Tolerances are shares of the size of a curve. OpenCASCADE is taken if ``OCP`` is installed.
 """
 
 import datetime
@@ -184,40 +184,41 @@ def occt(exact: Exact, tolerance: float, *, smooth: int) -> int | None:
     return int(done.Curve().NbPoles()) if done.HasResult() else None
 
 
+def peers(curve: BSpline, distance: float, tolerance: float) -> list[int | None]:
+    """Give how many points others need to stay within a tolerance on both sides."""
+    exact = Exact(curve, distance)
+    methods = (cobb(exact), tiller(exact), elber(exact), least(exact, 0), least(exact, 6))
+    counts: list[int | None] = [refined(exact, tolerance, method) for method in methods]
+    return [*counts, occt(exact, tolerance, smooth=1), occt(exact, tolerance, smooth=2)]
+
+
 def open_curves() -> None:
     """Print how many control points each method takes."""
     print("\ncontrol points of the offset of a curve that is not trimmed; ratio: ours to the best")
+    print("plain: others stray by the tolerance to both sides, and gouge by it; kept: they too are")
+    print("held beyond the distance, to which half a tolerance is added and half of it then kept")
     names = ("Cobb", "Tiller", "Elber", "least sq", "Hoschek", "OCCT C1", "OCCT C2", "ours", "arcs")
-    print(f"{'curve':20} {'tol':>6} " + "".join(f"{name:>9}" for name in names) + "   ratio   time")
+    print(f"{'curve':20} {'tol':>6}       " + "".join(f"{n:>9}" for n in names) + "   ratio   time")
     for name, (curve, share) in CURVES.items():
         u = np.linspace(0.0, 1.0, 4001)
         d = share / float(curvature(curve, u).max())
         size = float(np.ptp(curve.points, axis=0).max())
-        exact = Exact(curve, d)
         for tolerance in (1e-3, 1e-4, 1e-5):
             tol = tolerance * size
-            counts: list[int | None] = [
-                refined(exact, tol, method)
-                for method in (
-                    cobb(exact),
-                    tiller(exact),
-                    elber(exact),
-                    least(exact, 0),
-                    least(exact, 6),
-                )
-            ]
-            counts += [occt(exact, tol, smooth=1), occt(exact, tol, smooth=2)]
             ours = sum(len(found.points) for found in offset_spline(curve, d, tol))
             (time,) = shortest(
                 lambda c=curve, d=d, t=tol: offset_spline(c, d, t), number=1, rounds=7
             )
             arcs = len(curve_arcs(curve, tol).pieces)
-            best = min(count for count in counts if count is not None)
-            cells = "".join(
-                f"{'-' if c is None else '>' + str(MOST) if c >= MOST else c:>9}"
-                for c in [*counts, ours, arcs]
-            )
-            print(f"{name:20} {tolerance:6.0e} {cells} {ours / best:7.2f} {1e3 * time:5.1f} ms")
+            for kind, more in (("plain", 0.0), ("kept", 0.5 * tol)):
+                counts = peers(curve, d + more, tol - more)
+                best = min(count for count in counts if count is not None)
+                cells = "".join(
+                    f"{'-' if c is None else '>' + str(MOST) if c >= MOST else c:>9}"
+                    for c in [*counts, ours, arcs]
+                )
+                last = f" {1e3 * time:5.1f} ms" if not more else ""
+                print(f"{name:20} {tolerance:6.0e} {kind:5} {cells} {ours / best:7.2f}{last}")
 
 
 def ring(radius: Callable[[FloatArray], FloatArray], count: int, weights: object = None) -> BSpline:

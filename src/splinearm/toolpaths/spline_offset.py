@@ -15,7 +15,7 @@ from .piece import ArcPiece, LinePiece, Piece, SplinePiece
 from .spline_check import check_band, check_complete
 from .spline_path import track_pieces
 from .spline_rough import UnclearError
-from .spline_run import Outline
+from .spline_run import Outline, Track
 from .spline_source import Source, source_of
 
 _BANDS = ((0.02, 0.98), (0.04, 0.96), (0.1, 0.9), (0.02, 0.3), (0.02, 0.1))
@@ -35,8 +35,9 @@ def offset_spline(curve: BSpline, distance: float, tolerance: float) -> tuple[BS
 
     The exact offset is ``r + d n``; parts of it that are nearer to the curve than the distance, in
     loops between cusps or where the curve comes back to itself, are left out. What remains is
-    fitted by the fewest cubic pieces. The result is never nearer to any of the curve than the
-    distance and lies within the tolerance beyond it, which is proven by a bound.
+    fitted by the fewest cubic pieces, and control points that these do without are taken out. The
+    result is never nearer to any of the curve than the distance and lies within the tolerance
+    beyond it, which is proven by a bound.
 
     Args:
         curve: A curve in the plane, polynomial or rational, m; a closed one is offset as such. Of
@@ -222,11 +223,27 @@ def _attempt(
     near, far = (d + share * tolerance for share in shares)
     band = near / source.unit, far / source.unit
     outline = Outline(source, band[0], _cusps(source, near), closed=closed)
+    tracks = outline.tracks(fineness * tolerance / source.unit)
+    try:
+        return _checked(source, tracks, wanted, band, thin=True)
+    except (OffsetError, GougeError):
+        return _checked(source, tracks, wanted, band, thin=False)
+
+
+def _checked(
+    source: Source,
+    tracks: Sequence[Track],
+    wanted: tuple[float, float],
+    band: tuple[float, float],
+    *,
+    thin: bool,
+) -> list[Wire]:
+    """Give tracks as wires, if they pass their check."""
     found = [
-        Wire(tuple(track_pieces(source, track, band, free_ends=True)), track.closed)
-        for track in outline.tracks(fineness * tolerance / source.unit)
+        Wire(tuple(track_pieces(source, track, band, free_ends=True, thin=thin)), track.closed)
+        for track in tracks
     ]
     pieces = [piece for wire in found for piece in wire.pieces]
-    check_band(source, pieces, d, tolerance)
-    check_complete(source, pieces, d, tolerance)
+    check_band(source, pieces, *wanted)
+    check_complete(source, pieces, *wanted)
     return found
