@@ -27,6 +27,8 @@ class Nested:
 
     regions: tuple[Region, ...]
     """What outlines enclose, without their openings; what lies in an opening is one of its own."""
+    wires: tuple[tuple[Wire, ...], ...]
+    """Of each region the wires that it was made of: its outline, then its openings."""
     slack: float
     """How far the drawing's splines may be beside the regions' arcs, m; 0: there are none."""
 
@@ -53,7 +55,10 @@ def nested(wires: Sequence[Wire], tolerance: float) -> Nested:
     contours = [contour_of(wire, tolerance) for wire in wires]
     _require_apart(contours)
     curved = any(isinstance(piece, SplinePiece) for wire in wires for piece in wire.pieces)
-    return Nested(_regions(contours), 0.5 * tolerance if curved else 0.0)
+    found = _members(contours)
+    regions = tuple(_region([contours[i] for i in one]) for one in found)
+    made_of = tuple(tuple(wires[i] for i in one) for one in found)
+    return Nested(regions, made_of, 0.5 * tolerance if curved else 0.0)
 
 
 def contour_of(wire: Wire, tolerance: float) -> Contour:
@@ -102,22 +107,24 @@ def _require_apart(contours: Sequence[Contour]) -> None:
     raise ContourError(what, (x, y))
 
 
-def _regions(contours: Sequence[Contour]) -> tuple[Region, ...]:
-    """Give regions: contours in an even number of others are outlines, the others openings."""
+def _members(contours: Sequence[Contour]) -> list[list[int]]:
+    """Give of each region its outline and openings.
+
+    Contours in an even number of others are outlines, the others openings.
+    """
     spots = np.array([_spot(contour) for contour in contours])
     within = np.array([contour.contains(spots) for contour in contours])
     np.fill_diagonal(within, val=False)
     depth = within.sum(axis=0)
-    regions: list[Region] = []
-    for k, contour in enumerate(contours):
-        if depth[k] % 2:
-            continue
-        inner = np.flatnonzero(within[k] & (depth == depth[k] + 1))
-        outer = contour if contour.area > 0.0 else contour.reversed()
-        islands = [contours[i] for i in inner.tolist()]
-        turned = tuple(i if i.area < 0.0 else i.reversed() for i in islands)
-        regions.append(Region.made(outer, turned))
-    return tuple(regions)
+    outlines = [k for k in range(len(contours)) if depth[k] % 2 == 0]
+    return [[k, *np.flatnonzero(within[k] & (depth == depth[k] + 1)).tolist()] for k in outlines]
+
+
+def _region(contours: Sequence[Contour]) -> Region:
+    """Give the region of an outline and its openings."""
+    outer, *inner = contours
+    outer = outer if outer.area > 0.0 else outer.reversed()
+    return Region.made(outer, tuple(i if i.area < 0.0 else i.reversed() for i in inner))
 
 
 def _spot(contour: Contour) -> FloatArray:

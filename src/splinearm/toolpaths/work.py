@@ -21,6 +21,7 @@ from .nesting import Nested, circles, contour_of, nested
 from .operation import Milled, Milling, Side
 from .pocket import pocket
 from .profile_pass import profile
+from .profile_spline import keeps_splines, spline_profile
 from .region import Region
 from .spiral import spiral
 from .tab import Tabs
@@ -135,12 +136,14 @@ def _carry_out(drawing: Drawing, work: Work, exactness: Exactness) -> Done:
         )
     around = nested(closed, exactness.tolerance)
     milling = _with_slack(work.milling, around.slack)
-    milled = _told(_milled(work, around, milling), chaining)
+    milled = _told(_milled(work, around, milling, exactness), chaining)
     return Done(work, chaining, milled, _zone(work, around), around.slack)
 
 
-def _milled(work: Work, around: Nested, milling: Milling) -> Milled:
+def _milled(work: Work, around: Nested, milling: Milling, exactness: Exactness) -> Milled:
     match work.kind:
+        case Kind.PROFILE if _as_splines(work, around, exactness):
+            return spline_profile(around.wires, work.milling, work.side, exactness.tolerance)
         case Kind.PROFILE:
             return profile(around.regions, milling, work.side, work.tabs)
         case Kind.POCKET:
@@ -151,6 +154,11 @@ def _milled(work: Work, around: Nested, milling: Milling) -> Milled:
             return spiral(around.regions, milling)
         case _:
             return facing(around.regions, milling, work.angle)
+
+
+def _as_splines(work: Work, around: Nested, exactness: Exactness) -> bool:
+    plain = exactness.splines and work.tabs is None and work.side is not Side.ON
+    return plain and keeps_splines(around.wires, work.milling)
 
 
 def _drilled(sheet: Drawing, work: Work, chaining: Chaining) -> Done:
