@@ -29,6 +29,10 @@ from .verify_part import Zone
 from .zigzag import facing, zigzag
 
 
+_FINE = 1e-2
+"""Share of the tolerance within which arcs stand for splines where ways do without them."""
+
+
 class Kind(StrEnum):
     """What is done."""
 
@@ -137,6 +141,8 @@ def _carry_out(drawing: Drawing, work: Work, exactness: Exactness) -> Done:
     around = nested(closed, exactness.tolerance)
     milling = _with_slack(work.milling, around.slack)
     milled = _told(_milled(work, around, milling, exactness), chaining)
+    if _as_splines(work, around, exactness):  # ways that know the splines are measured by them
+        around = nested(closed, _FINE * exactness.tolerance)
     return Done(work, chaining, milled, _zone(work, around), around.slack)
 
 
