@@ -28,7 +28,6 @@ from .tab import Tabs
 from .verify_part import Zone
 from .zigzag import facing, zigzag
 
-
 _FINE = 1e-2
 """Share of the tolerance within which arcs stand for splines where ways do without them."""
 
