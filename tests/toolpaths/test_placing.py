@@ -11,7 +11,7 @@ from splinearm.errors import UnreachableError
 from splinearm.joints import JointKind, JointLimits
 from splinearm.kinematics import Arm, DHConvention, DHLink
 from splinearm.toolpaths.action import ArcFeed, Feed, Rapid
-from splinearm.toolpaths.feed import report_feeds
+from splinearm.toolpaths.feed_report import report_feeds
 from splinearm.toolpaths.gcode_interpreter import run_gcode, run_gcode_text
 from splinearm.toolpaths.placing import place
 from splinearm.toolpaths.program import plan_program

@@ -1,7 +1,8 @@
 """The entry point: finds the command, turns errors into one line and an exit code.
 
-Exit codes: 0 done; 1 the motion was stopped by a fault, or two arms that were compared differ; 2
-nothing moved, because of bad input or an arm that is not ready; 130 stopped by Ctrl-C.
+Exit codes: 0 done; 1 the motion was stopped by a fault, two arms that were compared differ, or what
+was looked at has something wrong; 2 nothing moved, because of bad input or an arm that is not
+ready; 130 stopped by Ctrl-C.
 
 Nothing heavy is imported before a command is chosen: ``--help`` stays quick.
 """

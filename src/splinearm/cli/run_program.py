@@ -96,7 +96,7 @@ def run_job(job: "Job", cell: "Cell", args: argparse.Namespace) -> int:
 def plan(job: "Job", cell: "Cell", *, find: bool) -> "PlannedProgram":
     """Plan a job with a toolpath, with a progress bar."""
     from splinearm.machining import plan_nc_job
-    from splinearm.toolpaths.feed import report_feeds
+    from splinearm.toolpaths.feed_report import report_feeds
 
     from .output import console, progress
 
