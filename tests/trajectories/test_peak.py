@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from splinearm.curves.bspline import BSpline
 from splinearm.curves.interpolation import interpolate
 from splinearm.kinematics.dynamics import Drives, Dynamics
 from splinearm.trajectories.joint_path import JointPath
@@ -12,6 +13,7 @@ from splinearm.trajectories.limit_share import joint_rates
 from splinearm.trajectories.peak import bindings, peaks
 from splinearm.trajectories.plan import plan
 from splinearm.trajectories.section import Section
+from splinearm.trajectories.smooth_law import SmoothLaw
 from splinearm.trajectories.time_law import TimeLaw
 from splinearm.trajectories.timing import quickest
 from splinearm.trajectories.trajectory import JointTrajectory
@@ -49,6 +51,22 @@ def test_jerk_is_looked_at_where_it_is_limited(make_limits):
     (jerk,) = [peak for peak in peaks(motion) if peak.quantity == "jerk"]
     assert jerk.value == pytest.approx(-12.0 / 64.0)
     assert jerk.limit == 10.0
+
+
+def test_where_path_and_law_change_together_each_is_taken_with_its_own_side(make_limits):
+    # q = s before 0.7, and s + 50 (s - 0.7)^3 after it, where the law's jerk falls from 1 to -40
+    limits = replace(make_limits([10.0], [100.0]), qddd_max=[300.0])
+    bezier = [[0.0], [0.7 / 3], [1.4 / 3], [0.7], [0.8], [0.9], [2.35]]
+    path = JointPath(BSpline([0, 0, 0, 0, 0.7, 0.7, 0.7, 1, 1, 1, 1], bezier, 3))
+    reached = (6.0 * 0.7) ** (1.0 / 3.0)
+    for nudge in (-1, 0, 1):
+        until = reached * (1.0 + nudge * 2.0**-52)
+        law = SmoothLaw.of_jerks(0.0, np.array([1.0, -40.0]), np.array([until, 5e-4]))
+        motion = JointTrajectory((Section(path, law),), np.zeros(1), limits)
+        (jerk,) = [peak for peak in peaks(motion) if peak.quantity == "jerk"]
+        speed = 0.5 * reached**2
+        assert jerk.value == pytest.approx(300.0 * speed**3 - 40.0, rel=0.02)
+        assert jerk.value < 300.0 * speed**3 - 30.0, "not the law's jerk of before"
 
 
 def test_a_motion_that_takes_no_time_is_not_held_back(make_limits):

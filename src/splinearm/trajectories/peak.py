@@ -13,8 +13,13 @@ from .limit import MotionLimits
 from .limit_share import Rates, joint_rates, tool_shares
 from .trajectory import JointTrajectory
 
-_LOOKS = np.linspace(0.0, 1.0 - 1e-9, 9)
-"""Where between two nodes a motion is looked at: at the first, and just before the second."""
+_LOOKS = np.linspace(1e-9, 1.0 - 1e-9, 9)
+"""Where between two nodes a motion is looked at: just behind the first, just before the second, and
+between. At a node itself rounding may take the path from one side and its law from the other."""
+
+_MOMENT = 1e-9
+"""Nodes that are nearer to each other are one, s: a node of the law where two parts of the path
+meet."""
 
 _BINDS = 0.95
 """From this share of its limit on a quantity is what holds the motion back between two nodes."""
@@ -55,8 +60,10 @@ class Binding:
 
 
 class _Looks(NamedTuple):
+    nodes: FloatArray
+    """Between which the motion is smooth, shape (k,), s."""
     t: FloatArray
-    """When, shape (m,), s: at the nodes, and between them."""
+    """When, shape (m,), s: behind and before each node, and between them."""
     joints: Rates
     tool: dict[str, FloatArray]
     """How much of each limit of the tool is used, shape (m,), by quantity."""
@@ -116,7 +123,7 @@ def bindings(
     hardest = inside.mean(axis=1).argmax(axis=1)
     binds = np.take_along_axis(cells, hardest[:, None], axis=1)[:, 0] >= _BINDS
     which = np.where(binds, hardest, -1)
-    nodes = np.append(looks.t[: -1 : len(_LOOKS)], trajectory.duration)
+    nodes = looks.nodes
     found = []
     for column, group in groupby(range(len(cells)), key=which.tolist().__getitem__):
         some = list(group)
@@ -135,10 +142,17 @@ def bindings(
 
 def _look(trajectory: JointTrajectory, limits: MotionLimits) -> _Looks:
     """Give what joints and tool do at all nodes and between them."""
-    nodes = trajectory.nodes()
+    nodes = _apart(trajectory.nodes())
     t = (nodes[:-1, None] + np.diff(nodes)[:, None] * _LOOKS).ravel()
     t = np.append(t, trajectory.duration)
-    return _Looks(t, joint_rates(trajectory, limits, t), tool_shares(trajectory, limits, t))
+    return _Looks(nodes, t, joint_rates(trajectory, limits, t), tool_shares(trajectory, limits, t))
+
+
+def _apart(nodes: FloatArray) -> FloatArray:
+    """Give nodes of which no two are one, with the first and the last."""
+    kept = np.append(True, np.diff(nodes) > _MOMENT)
+    kept[-1] = True
+    return nodes[kept]
 
 
 def _nearest_bound(q: FloatArray, limits: JointLimits, j: int) -> tuple[int, float]:
