@@ -12,7 +12,7 @@ from splinearm.curves.bspline import BSpline
 from splinearm.curves.corner import rounded_polyline
 from splinearm.curves.nearest import SpaceCurve
 from splinearm.errors import CurveError
-from splinearm.kinematics import chain, quaternion
+from splinearm.kinematics import quaternion
 from splinearm.kinematics.arm import Arm
 
 from .constraint import SpeedCap
@@ -270,6 +270,6 @@ def _farthest(arm: Arm, curve: BSpline, corner: FloatArray, u: float, width: flo
 def _tool_rate(arm: Arm, joints: JointPath, s: FloatArray) -> FloatArray:
     """Give the tool's speed by s, shape (m,)."""
     q, slope, _ = joints.sample(s)
-    J = chain.jacobian_batch(arm.packed, q)[:, :3]
+    J = arm.jacobian(q)[:, :3]
     rate: FloatArray = np.linalg.norm(np.einsum("mij,mj->mi", J, slope), axis=1)
     return rate

@@ -79,7 +79,17 @@ def smoothed(problem: Problem, width: int) -> Answer:
     return _begin(problem, guess, floor, centre)
 
 
-def use_of(problem: Problem, answer: Answer, parts: int) -> FloatArray:
+def tool_looks(problem: Problem, parts: int) -> FloatArray:
+    """Give the highest x that the tool's speed allows where ``use_of`` looks at it, (m, k).
+
+    The same for all problems on one grid; without a wish for the tool's speed there are none.
+    """
+    if problem.way.cap is None:
+        return np.empty((len(problem.pieces), 0))
+    return tool_caps(problem, np.linspace(0.0, 1.0, parts * _FINER_TOOL + 1))
+
+
+def use_of(problem: Problem, answer: Answer, parts: int, tool: FloatArray) -> FloatArray:
     """Give the largest share of each kind of limits that a cell uses, shape (m, 4).
 
     They are x, acceleration, jerk, and torques and accelerations of the tool, whose use is the
@@ -89,6 +99,7 @@ def use_of(problem: Problem, answer: Answer, parts: int) -> FloatArray:
         problem: What was asked.
         answer: The profile.
         parts: In how many parts of each cell it is looked at, and more where it uses most.
+        tool: What ``tool_looks`` gives for them.
     """
     path, look = problem.way.path, kernels().use_into
     use, chosen = np.zeros((len(problem.pieces), 4)), np.ones(len(problem.pieces))
@@ -99,19 +110,14 @@ def use_of(problem: Problem, answer: Answer, parts: int) -> FloatArray:
     vague = (use[:, 3] > _VAGUE) & (slower + use[:, 3] > (slower - use[:, 3]).max())
     vague_cells = vague.astype(np.float64)
     look(*about, problem.inverse, answer.y, vague_cells, float(parts * _FINER), use)
-    if problem.way.cap is not None:
-        use[:, 0] = np.maximum(use[:, 0], _tool_use(problem, answer, parts * _FINER_TOOL))
+    if tool.size:
+        shares = np.linspace(0.0, 1.0, tool.shape[1])
+        tops = _tops((_x_at(answer.y, shares) / tool)[:, :, None])
+        use[:, 0] = np.maximum(use[:, 0], tops[:, 0])
     use[:, 3] = 0.0
     if problem.way.placed is not None:
         _look_at_placed(problem.way.placed, problem.share, answer.y, parts, use)
     return use
-
-
-def _tool_use(problem: Problem, answer: Answer, parts: int) -> FloatArray:
-    """Give the largest share of the x that the tool's speed allows in each cell, shape (m,)."""
-    shares = np.linspace(0.0, 1.0, parts + 1)
-    use = _x_at(answer.y, shares) / tool_caps(problem, shares)
-    return _tops(use[:, :, None])[:, 0]
 
 
 def _look_at_placed(

@@ -224,9 +224,10 @@ def _from_rest_to_rest(same: Canonical, guess: Estimate, cells: int) -> SmoothLa
 def _last_resort(problem: Problem) -> tuple[Answer, float]:
     """Give a profile of the shape of the guess, as quick as limits allow that, and say so."""
     found = []
+    tool = smooth_profile.tool_looks(problem, _PARTS)
     for width in _WIDTHS:
         answer = smooth_profile.smoothed(problem, width)
-        use = smooth_profile.use_of(problem, answer, _PARTS)
+        use = smooth_profile.use_of(problem, answer, _PARTS, tool)
         # what launch and landing allow is said by caps at their ends
         use[0, 0] = max(use[0, 0], answer.y[0, 0] / problem.caps[0, 0])
         use[-1, 0] = max(use[-1, 0], answer.y[-1] @ [1.0, 2.0, 1.0] / problem.caps[-1, 2])
@@ -262,7 +263,8 @@ def _within(problem: Problem, answer: Answer, enough: float, rounds: int) -> tup
 
     That is the factor by which the law must become slower to keep them.
     """
-    use = smooth_profile.use_of(problem, answer, _PARTS)
+    tool = smooth_profile.tool_looks(problem, _PARTS)
+    use = smooth_profile.use_of(problem, answer, _PARTS, tool)
     best = answer, float(slower_by(use).max())
     for k in range(rounds):
         if best[1] <= enough:
@@ -271,7 +273,7 @@ def _within(problem: Problem, answer: Answer, enough: float, rounds: int) -> tup
         better = smooth_profile.solve(problem, answer)
         if better is None:
             break
-        answer, use = better, smooth_profile.use_of(problem, better, _PARTS)
+        answer, use = better, smooth_profile.use_of(problem, better, _PARTS, tool)
         best = min(best, (answer, float(slower_by(use).max())), key=lambda pair: pair[1])
     return best
 

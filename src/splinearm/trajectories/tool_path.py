@@ -6,7 +6,6 @@ import numpy as np
 
 from splinearm.arrays import ArrayInput, FloatArray, frozen_array
 from splinearm.curves.nearest import Chords, SpaceCurve, chords_of, distance_to_curves
-from splinearm.kinematics import chain
 from splinearm.kinematics.arm import Arm
 
 from .joint_path import JointPath
@@ -35,8 +34,8 @@ class CarriedPath:
     def places(self, s: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Give positions of the tool and their derivatives by s, each of shape (m, 3)."""
         q, slope, _ = self.joints.sample(s)
-        J = chain.jacobian_batch(self.arm.packed, q)[:, :3]
-        return chain.fk_batch(self.arm.packed, q)[:, :3, 3], np.einsum("mij,mj->mi", J, slope)
+        J = self.arm.jacobian(q)[:, :3]
+        return self.arm.fk(q)[:, :3, 3], np.einsum("mij,mj->mi", J, slope)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from splinearm.kinematics import chain
 from splinearm.kinematics.arm import Arm
 
 from .trajectory import JointTrajectory
@@ -37,6 +36,6 @@ def tool_travel(
         return 0.0
     half = 0.5 * np.diff(t)[:, None]
     q, qd, _ = trajectory.sample((t[:-1, None] + half * (1.0 + _NODES)).ravel())
-    J = chain.jacobian_batch(arm.packed, q)[:, :3]
+    J = arm.jacobian(q)[:, :3]
     speed = np.linalg.norm(np.einsum("mij,mj->mi", J, qd), axis=1)
     return float(np.sum(speed.reshape(-1, _NODES.size) * _WEIGHTS * half))
