@@ -76,9 +76,11 @@ def test_a_job_file_does_several_operations(cli):
     assert [line for line in text.splitlines() if "M6" in line] == ["T1 M6", "T2 M6", "T1 M6"]
 
 
-def test_what_is_not_a_part_is_not_verified(cli):
+def test_engraving_is_verified_unless_that_is_not_wanted(cli):
     words = ("--tool", "3", "--depth", "0.2", "--operation", "engrave")
     assert cli("toolpath", PART, *words) == 0
+    assert "verified: gouge 0.000000 mm, left 0.000000 mm" in cli.out
+    assert cli("toolpath", PART, *words, "--no-verify") == 0
     assert "not verified" in cli.out
     assert cli.files() == set()
 

@@ -64,7 +64,6 @@ def test_a_part_is_made_and_verified(drawing, milling, follows):
     follows(a for a in actions if not isinstance(a, Spindle | ToolChange))
     assert [a.tool for a in actions if isinstance(a, ToolChange)] == [1, 2, 1]
     report = verified(actions, done, 1e-5)
-    assert report is not None
     assert report.ok, report.text()
     for dialect in DIALECTS.values():
         text = write_checked(actions, dialect, "plate")
@@ -106,7 +105,9 @@ def test_engraving_keeps_splines_where_the_controller_has_them(drawing, milling)
     for splines, count in ((True, 1), (False, 0)):
         actions, done = carry_out(drawing, [work], Exactness(splines=splines))
         assert sum(isinstance(a, SplineFeed) for a in actions) == count
-        assert verified(actions, done, 1e-5) is None
+        report = verified(actions, done, 1e-5)
+        assert report.ok, report.text()
+        assert report.left <= (1e-8 if splines else 1e-5)
         write_checked(actions, DIALECTS["linuxcnc" if splines else "grbl"])
 
 
@@ -134,8 +135,7 @@ def test_lines_to_and_fro_are_asked_for_like_others(kind, drawing, milling):
     work = Work(kind=kind, milling=milling(), layers=("pocket",), angle=0.3)
     actions, done = carry_out(drawing, [work])
     report = verified(actions, done, 1e-5)
-    assert (report is None) == (kind is Kind.FACING)
-    assert report is None or report.ok
+    assert report.ok, report.text()
 
 
 def test_what_cannot_be_cut_is_told(drawing, milling):

@@ -78,6 +78,7 @@ def _add_cutting(group: "argparse._ArgumentGroup") -> None:
 
 def run_toolpath(args: argparse.Namespace) -> int:
     """Plan, check, write and tell."""
+    from splinearm.toolpaths.checking import verified
     from splinearm.toolpaths.drawing import read_drawing
     from splinearm.toolpaths.fitting import fitted
     from splinearm.toolpaths.gcode_check import write_checked
@@ -99,7 +100,7 @@ def run_toolpath(args: argparse.Namespace) -> int:
         actions = fitted(actions, job.dialect)
         program = write_checked(actions, job.dialect, f"{job.drawing.name} by splinearm")
         step("written and read again")
-        found = None if args.no_verify else _verified(actions, done, job)
+        found = None if args.no_verify else verified(actions, done, job.exactness.tolerance)
         step("verified")
     if found is None or found.ok:
         _write(args, program, actions, job.drawing.name)
@@ -219,15 +220,6 @@ def _milling(args: argparse.Namespace) -> "Milling":
         stock=args.stock * MM,
         finish=args.finish,
     )
-
-
-def _verified(
-    actions: "tuple[Action, ...]", done: "tuple[Done, ...]", job: "ToolpathJob"
-) -> "Verification | None":
-    """Give what the program does to its stock; nothing where there is no part to compare with."""
-    from splinearm.toolpaths.checking import verified
-
-    return verified(actions, done, job.exactness.tolerance)
 
 
 def _tell(

@@ -32,7 +32,7 @@ def print_report(
     rows += _amounts(actions)
     console.print(table(("", str(job.drawing)), rows))
     if found is None:
-        console.print("not verified: there is no part to compare with", highlight=False)
+        console.print("not verified", highlight=False)
     else:
         console.print(found.text(), markup=False, highlight=False)
 

@@ -5,11 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from splinearm.arrays import FloatArray
+
 from .action import Action, Pause, Switch
 from .cutter import Cutter
 from .stock import Stock
 from .verify import Allowance, verify
-from .verify_part import Task
+from .verify_line import Lines
+from .verify_part import Task, Zone
 from .verify_report import Verification
 from .work import Done
 
@@ -17,35 +20,40 @@ _MARGIN = 5e-3
 _BELOW = 1e-3
 
 
-def verified(
-    actions: Iterable[Action], done: Sequence[Done], tolerance: float
-) -> Verification | None:
-    """Give what a program does to a block about its zones.
+def verified(actions: Iterable[Action], done: Sequence[Done], tolerance: float) -> Verification:
+    """Give what a program does to a block about what shall be cut.
 
     Args:
         actions: The program.
-        done: The operations it was made of.
+        done: The operations it was made of, at least one.
         tolerance: How much may be left where splines are, m.
-
-    Returns:
-        What was found; None where an operation says no part to compare with: facing, engraving,
-        and profiles on the line.
     """
-    zones = [one.zone for one in done if one.zone is not None]
-    if len(zones) < len(done) or not zones:
-        return None
-    bounds = np.array([region.bounds for zone in zones for region in zone.regions])
+    zones = tuple(one.aim for one in done if isinstance(one.aim, Zone))
+    lines = tuple(one.aim for one in done if isinstance(one.aim, Lines))
     cutters = _cutters(done)
     margin = _MARGIN + 2.0 * max(cutter.diameter for cutter in cutters.values())
-    floor = min(zone.floor for zone in zones)
-    low = np.array([*(bounds[:, :2].min(axis=0) - margin), floor - _BELOW])
-    high = np.array([*(bounds[:, 2:].max(axis=0) + margin), 0.0])
+    low, high = _bounds(zones, lines)
+    floor = min(one.aim.floor for one in done)
+    block = Stock(np.array([*(low - margin), floor - _BELOW]), np.array([*(high + margin), 0.0]))
     slack = max(one.slack for one in done)
     left = 1e-5 + max(0.0 if one.work.milling.finish else one.work.milling.stock for one in done)
     allowed = Allowance(gouge=1e-6 + slack, left=left + (tolerance if slack else 0.0))
     one_cutter = next(iter(cutters.values())) if len(cutters) == 1 else cutters
     known = [a for a in actions if not isinstance(a, Pause | Switch)]
-    return verify(known, Task(Stock(low, high), tuple(zones)), one_cutter, allowed)
+    return verify(known, Task(block, zones, lines), one_cutter, allowed)
+
+
+def _bounds(zones: Sequence[Zone], lines: Sequence[Lines]) -> tuple[FloatArray, FloatArray]:
+    """Give the lowest and the highest x and y of what shall be cut, each of shape (2,), m."""
+    corners = [np.reshape(region.bounds, (2, 2)) for zone in zones for region in zone.regions]
+    for one in lines:
+        # a piece turns by a quarter at most: it bulges by less than its chord
+        rows = one.track.pieces
+        ends = np.concatenate((rows[:, :2], rows[:, 2:4]))
+        bulge = float(np.hypot(*(rows[:, 2:4] - rows[:, :2]).T).max())
+        corners.append(np.array([ends.min(axis=0) - bulge, ends.max(axis=0) + bulge]))
+    every = np.array(corners)
+    return every[:, 0].min(axis=0), every[:, 1].max(axis=0)
 
 
 def _cutters(done: Sequence[Done]) -> dict[int, Cutter]:

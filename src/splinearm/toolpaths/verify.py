@@ -22,6 +22,7 @@ from .gcode_lint import lint
 from .gcode_machine import NcMachine
 from .stock import HeightMap, cell_for
 from .verify_depth import height_faults, way_faults
+from .verify_line import off_lines
 from .verify_part import Task
 from .verify_plane import Cuts, gouges, leftovers, too_deep
 from .verify_report import Fault, Verification, worst
@@ -67,21 +68,24 @@ def verify(
     allowed = allowed or Allowance()
     moves, tools = _moves(actions, cutters)
     cuts = _cuts(moves, tools)
-    deepest, found = gouges(task, cuts, allowed.gouge)
-    found += too_deep(task, cuts, allowed.gouge)
+    beside = cuts.with_track(off_lines(cuts.track, task.lines, allowed.gouge))
+    deepest, found = gouges(task, beside, allowed.gouge)
+    found += too_deep(task, beside, allowed.gouge)
     rests = [leftovers(task, zone, cuts, allowed.left) for zone in task.zones]
     found += [fault for rest in rests for fault in rest.faults]
+    missed = [lines.left(cuts.track, allowed.gouge) for lines in task.lines]
+    found += [fault for _, faults in missed for fault in faults]
     blank = HeightMap.of(task.stock, allowed.cell or cell_for(task.stock))
     left, done = blank.carved(moves, tools, track_of(moves))
     wanted = task.floors(blank)
     found += way_faults(moves, tools, done, task.top)
-    if task.zones:
+    if task.zones or task.lines:
         asked = task.floors(blank, cleared=True)
         found += height_faults(task, left, (wanted, asked), cuts, (allowed.gouge, allowed.left))
     return Verification(
         faults=worst([*faults, *found]),
         gouge=deepest,
-        left=max((rest.left for rest in rests), default=0.0),
+        left=max((*(rest.left for rest in rests), *(far for far, _ in missed)), default=0.0),
         unreachable=max((rest.unreachable for rest in rests), default=0.0),
         removed=float(done[:, 3].sum()),
         bound=cuts.track.bound,

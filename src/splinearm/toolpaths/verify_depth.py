@@ -121,7 +121,7 @@ def _reachable(
         here = floors == floor
         for cutter in cuts.tools():
             radius = cutter.radius_at(task.top - floor)
-            if radius > 0.0 and len(free.outline):
+            if radius > 0.0 and (free.everywhere or len(free.outline)):
                 reached[here] |= free.reachable(points[here], radius)
     return reached
 

@@ -1,4 +1,4 @@
-"""What a program shall make of its stock: zones that may be cut, and how deep."""
+"""What a program shall make of its stock: zones that may be cut, lines to follow, how deep."""
 
 from dataclasses import dataclass
 from math import inf
@@ -12,6 +12,7 @@ from splinearm.arrays import FloatArray
 from .contour import Contour
 from .region import Region
 from .stock import HeightMap, Stock
+from .verify_line import Lines
 from .verify_way import outline_of
 
 _SAME = 1e-9
@@ -35,6 +36,8 @@ class Zone:
     """Whether all of it shall go (a pocket), or only what is along its edge (a profile)."""
     tab_height: float = 0.0
     """How high tabs may be that hold what a profile cuts out, along half of its edge at most, m."""
+    open: bool = False
+    """Whether what is beside it may be cut as deep: facing goes beyond the edges."""
 
     def __post_init__(self) -> None:
         if not self.regions:
@@ -65,18 +68,24 @@ class Task:
     """The block."""
     zones: tuple[Zone, ...] = ()
     """The zones."""
+    lines: tuple[Lines, ...] = ()
+    """Lines on which cutters go, whatever zones there are."""
 
     def __post_init__(self) -> None:
-        for zone in self.zones:
-            if not zone.floor < self.stock.high[2]:
+        for floor in self.floors_asked():
+            if not floor < self.stock.high[2]:
                 raise ValueError(
-                    f"floor: want it below the surface, {self.stock.high[2]:g}, got {zone.floor:g}"
+                    f"floor: want it below the surface, {self.stock.high[2]:g}, got {floor:g}"
                 )
 
     @property
     def top(self) -> float:
         """The surface, m."""
         return float(self.stock.high[2])
+
+    def floors_asked(self) -> list[float]:
+        """Give the floors of zones and lines."""
+        return [zone.floor for zone in self.zones] + [line.floor for line in self.lines]
 
     def levels(self) -> list[float]:
         """Give the heights at which there is something to be spared: the surface and floors."""
@@ -85,6 +94,8 @@ class Task:
     def free_below(self, level: float) -> "Free":
         """Give where a tool may be below a level."""
         zones = [zone for zone in self.zones if zone.floor < level - _SAME]
+        if any(zone.open for zone in zones):
+            return Free(np.empty((0, 8)), (), np.empty(0), everywhere=True)
         outlines = tuple(outline_of(zone.contours) for zone in zones)
         outside = np.array([float(zone.side == "outside") for zone in zones])
         free = Free(np.empty((0, 8)), outlines, outside)
@@ -110,6 +121,8 @@ class Task:
 
     @staticmethod
     def _frees(zone: Zone, spot: FloatArray) -> bool:
+        if zone.open:
+            return True
         outside = np.array([float(zone.side == "outside")])
         rows = outline_of(zone.contours)
         return bool(Free(rows, (rows,), outside).holds(spot)[0])
@@ -122,8 +135,13 @@ class Task:
                 continue
             inside = blank.covered(zone.contours)
             gone = inside if zone.side == "inside" else ~inside
+            if zone.open and not cleared:
+                gone = np.ones_like(inside)
             heights[gone] = np.minimum(heights[gone], zone.floor)
-        return HeightMap(heights=heights, corner=blank.corner, cell=blank.cell)
+        found = HeightMap(heights=heights, corner=blank.corner, cell=blank.cell)
+        for lines in () if cleared else self.lines:
+            found, _ = found.carved(lines.moves, [lines.cutter] * len(lines.moves), lines.track)
+        return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,11 +154,15 @@ class Free:
     """The outlines of what it is made of."""
     outside: FloatArray
     """1 for those of which the outside is free, else 0."""
+    everywhere: bool = False
+    """Whether it has no edge at all."""
 
     def holds(self, points: FloatArray) -> npt.NDArray[np.bool_]:
         """Say which points are in it, shape (m,)."""
         from .verify_kernel import frees
 
+        if self.everywhere:
+            return np.ones(len(points), dtype=bool)
         found = np.empty(len(points))
         frees(*self._joined(), np.ascontiguousarray(points[:, :2]), found)
         free: npt.NDArray[np.bool_] = found == 1.0
@@ -158,6 +180,8 @@ class Free:
         """Say which points a disc in it is proven to cover, shape (m,)."""
         from .verify_kernel import rooms
 
+        if self.everywhere:
+            return np.ones(len(points), dtype=bool)
         found = np.empty(len(points))
         spots = np.ascontiguousarray(points[:, :2])
         rooms(self.outline, *self._joined(), spots, radius, found)

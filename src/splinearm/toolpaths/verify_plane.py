@@ -46,6 +46,10 @@ class Cuts:
         """Give the cutters, each once."""
         return list({id(cutter): cutter for cutter in self.cutters}.values())
 
+    def with_track(self, track: Track) -> "Cuts":
+        """Give some of the pieces."""
+        return Cuts(self.moves, self.cutters, track)
+
     def of_tool(self, cutter: Cutter) -> Track:
         """Give the pieces that a cutter goes."""
         own = np.array([other is cutter for other in self.cutters], dtype=bool)
@@ -66,9 +70,12 @@ class Leftover:
 
 def gouges(task: Task, cuts: Cuts, tolerance: float) -> tuple[float, list[Fault]]:
     """Give how far ways cut into the part at the most, and where more than a tolerance."""
-    deepest, faults = 0.0 if not task.zones else -_FAR, list[Fault]()
-    for level in task.levels() if task.zones else ():
+    asked = bool(task.zones or task.lines)
+    deepest, faults = -_FAR if asked else 0.0, list[Fault]()
+    for level in task.levels() if asked else ():
         free = task.free_below(level)
+        if free.everywhere:
+            continue
         for cutter in cuts.tools():
             track = cuts.of_tool(cutter).below(level - tolerance)
             if len(track.pieces) == 0:
@@ -128,9 +135,10 @@ def _into(
 
 def too_deep(task: Task, cuts: Cuts, tolerance: float) -> Iterator[Fault]:
     """Give ways that go below every floor."""
-    if not task.zones or len(cuts.moves) == 0:
+    floors = task.floors_asked()
+    if not floors or len(cuts.track.pieces) == 0:
         return
-    lowest = min(zone.floor for zone in task.zones)
+    lowest = min(floors)
     low = cuts.track.heights.min(axis=1)
     wrong = low < lowest - tolerance
     if wrong.any():

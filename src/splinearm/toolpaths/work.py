@@ -25,6 +25,7 @@ from .profile_spline import keeps_splines, spline_profile
 from .region import Region
 from .spiral import spiral
 from .tab import Tabs
+from .verify_line import Lines
 from .verify_part import Zone
 from .zigzag import facing, zigzag
 
@@ -86,8 +87,8 @@ class Done:
     """What the drawing had for it."""
     milled: Milled
     """What it gave."""
-    zone: Zone | None
-    """What may be cut, for the verification; None: there is no part to compare with."""
+    aim: Zone | Lines
+    """What may be cut, for the verification."""
     slack: float
     """By how much arcs may be beside splines, m."""
 
@@ -129,7 +130,9 @@ def _carry_out(drawing: Drawing, work: Work, exactness: Exactness) -> Done:
         wires = chaining.wires
         if not exactness.splines:
             wires = tuple(_plain(wire, exactness.tolerance) for wire in wires)
-        return Done(work, chaining, engrave(wires, work.milling), None, 0.0)
+        slack = 0.0 if exactness.splines else exactness.tolerance
+        aim = _lines(work, chaining.wires, slack)
+        return Done(work, chaining, engrave(wires, work.milling), aim, slack)
     if work.kind is Kind.DRILL:
         return _drilled(sheet, work, chaining)
     closed = [wire for wire in chaining.wires if wire.closed]
@@ -142,7 +145,7 @@ def _carry_out(drawing: Drawing, work: Work, exactness: Exactness) -> Done:
     milled = _told(_milled(work, around, milling, exactness), chaining)
     if _as_splines(work, around, exactness):  # ways that know the splines are measured by them
         around = nested(closed, _FINE * exactness.tolerance)
-    return Done(work, chaining, milled, _zone(work, around), around.slack)
+    return Done(work, chaining, milled, _aim(work, around), around.slack)
 
 
 def _milled(work: Work, around: Nested, milling: Milling, exactness: Exactness) -> Milled:
@@ -191,18 +194,34 @@ def _told(milled: Milled, chaining: Chaining) -> Milled:
     return Milled(milled.actions, (*milled.notes, note))
 
 
-def _zone(work: Work, around: Nested) -> Zone | None:
+def _aim(work: Work, around: Nested) -> Zone | Lines:
     floor = _floor(work.milling)
-    if work.kind in (Kind.POCKET, Kind.ZIGZAG, Kind.SPIRAL):
-        return Zone(regions=around.regions, floor=floor)
-    if work.kind is not Kind.PROFILE or work.side is Side.ON:
-        return None
+    match work.kind:
+        case Kind.POCKET | Kind.ZIGZAG | Kind.SPIRAL:
+            return Zone(regions=around.regions, floor=floor)
+        case Kind.FACING:
+            filled = tuple(Region.made(region.outer) for region in around.regions)
+            return Zone(regions=filled, floor=floor, open=True)
+    tab_height = 0.0 if work.tabs is None else work.tabs.height
+    if work.side is Side.ON:
+        wires = [wire for one in around.wires for wire in one]
+        return _lines(work, wires, around.slack, tab_height)
     return Zone(
         regions=around.regions,
         floor=floor,
         side="outside" if work.side is Side.OUTSIDE else "inside",
         cleared=False,
-        tab_height=0.0 if work.tabs is None else work.tabs.height,
+        tab_height=tab_height,
+    )
+
+
+def _lines(work: Work, wires: Sequence[Wire], slack: float, tab_height: float = 0.0) -> Lines:
+    return Lines(
+        wires=tuple(wires),
+        floor=_floor(work.milling),
+        cutter=work.milling.cutter,
+        slack=slack,
+        tab_height=tab_height,
     )
 
 

@@ -152,7 +152,8 @@ def _apart(nodes: FloatArray) -> FloatArray:
     """Give nodes of which no two are one, with the first and the last."""
     kept = np.append(True, np.diff(nodes) > _MOMENT)
     kept[-1] = True
-    return nodes[kept]
+    apart: FloatArray = nodes[kept]
+    return apart
 
 
 def _nearest_bound(q: FloatArray, limits: JointLimits, j: int) -> tuple[int, float]:
