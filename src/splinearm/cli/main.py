@@ -11,6 +11,7 @@ import argparse
 import logging
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Protocol
 
 from splinearm.errors import (
@@ -78,11 +79,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return int(args.run(args))
     except SplinearmError as error:
-        print(f"splinearm: {_in_words(error, args)}", file=sys.stderr)
+        _complain(_in_words(error, args))
         return FAULT if isinstance(error, MotionError) and not _unmoved(error) else REFUSED
     except KeyboardInterrupt:
-        print("splinearm: stopped", file=sys.stderr)
+        _complain("stopped")
         return INTERRUPTED
+
+
+def _complain(words: str) -> None:
+    """Say it on the error stream, if that is still there: a terminal may have been closed."""
+    with suppress(OSError):
+        print(f"splinearm: {words}", file=sys.stderr, flush=True)
 
 
 def _in_words(error: SplinearmError, args: argparse.Namespace) -> str:
