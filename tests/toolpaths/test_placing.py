@@ -294,7 +294,6 @@ def test_the_example_is_planned_within_the_limits_of_its_jerk():
     assert one.plan.tool_path.distance(ARM.fk(q[::20])[:, :3, 3]).max() < 2e-5
 
 
-@pytest.mark.slow
 def test_a_long_program_of_short_lines_is_planned():
     t = np.linspace(0.0, 2.0 * np.pi, 2001)
     r = 0.03 + 0.008 * np.cos(10.0 * t)

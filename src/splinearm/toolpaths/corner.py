@@ -11,7 +11,7 @@ from .stroke import Strokes
 FREE = 5e-4
 """How far corners may be cut where the program says "as far as it likes", m."""
 
-_DEVIATION = 3.0 / 16.0
+DEVIATION = 3.0 / 16.0
 """A quintic rounding of half width h between lines is off the corner by 3/16 h |change of unit
 direction| (by its middle: half of what the chord is off, less 5/16 of it)."""
 
@@ -47,7 +47,7 @@ def half_widths(
     """
     lengths = strokes.lengths
     room = 0.5 * np.stack((lengths[corners - 1], lengths[corners]), axis=1)
-    by_turn = tolerance / (_DEVIATION * np.maximum(turn, 1e-12))
+    by_turn = tolerance / (DEVIATION * np.maximum(turn, 1e-12))
     by_kink = np.sqrt(tolerance / (_CURVED * np.maximum(kink, 1e-12)))
     widths: FloatArray = np.minimum(room, np.minimum(by_turn, by_kink)[:, None])
     # ways of very different length would make a rounding that is lopsided

@@ -13,6 +13,7 @@ from splinearm.curves.hermite import Jet, quintic_spline
 
 from .action import Action, ArcFeed, Dwell, Feed, Message, Move, Rapid, SplineFeed
 from .corner import FREE, half_widths
+from .short_line import smooth_runs
 from .stroke import Strokes, bends, strokes_of
 
 _NOTHING = 1e-9
@@ -68,15 +69,32 @@ class _Read:
 
     moves: list[Move] = field(default_factory=list)
     before: dict[int, list[Action]] = field(default_factory=dict)
+    names: list[str] = field(default_factory=list)
     dropped: int = 0
     comes_down: bool = False
 
-    def name(self, owner: int) -> str:
-        """Say which move it is."""
-        if self.comes_down and owner == 0:
+    def name(self, first: int, count: int = 1) -> str:
+        """Say which moves they are."""
+        if self.comes_down and first == 0:
             return "the way down to the start"
-        line = self.moves[owner].line
-        return f"line {line}" if line else f"move {owner + 1 - self.comes_down}"
+        begin = self.moves[first].line
+        what = "line" if begin else "move"
+        begin = begin or first + 1 - self.comes_down
+        if count == 1:
+            return f"{what} {begin}"
+        end = self.moves[first + count - 1].line or begin + count - 1
+        return f"{what}s {begin} to {end}"
+
+    def smoothed(self) -> "_Read":
+        """Give the same with short lines as splines."""
+        runs = smooth_runs(self.moves, self.before)
+        begins = [run.first for run in runs] + [len(self.moves)]
+        return replace(
+            self,
+            moves=[run.move for run in runs],
+            before={i: self.before[k] for i, k in enumerate(begins) if k in self.before},
+            names=[self.name(run.first, run.count) for run in runs],
+        )
 
 
 def speed_of(move: Move) -> float:
@@ -112,6 +130,7 @@ def itinerary_of(
     read = _read(actions, lift, flat=flat)
     if not read.moves:
         raise ValueError("actions: want some that move the tool, got none")
+    read = read.smoothed()
     strokes = strokes_of(read.moves).moved(T_base_work)
     widths, stops = _roundings(strokes, read)
     begins = [0, *np.flatnonzero(stops).tolist()]
@@ -121,7 +140,7 @@ def itinerary_of(
             position=_position(strokes, widths, begin, end),
             edges=strokes.edges[begin : end + 1],
             moves=tuple(read.moves[owner] for owner in strokes.owners[begin:end]),
-            names=tuple(read.name(int(owner)) for owner in strokes.owners[begin:end]),
+            names=tuple(read.names[owner] for owner in strokes.owners[begin:end]),
             before=_done_before(strokes, read, begin),
             within=tuple(
                 (way - begin, action)
