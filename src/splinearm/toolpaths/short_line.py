@@ -29,7 +29,7 @@ _FINEST = 5e-6
 """Tolerances below this are near what programs round to, m: a spline would follow the rounding."""
 
 _SAGITTA = 1.3 / 8.0
-"""Between its ends an arc is off a line by 1/8 of its length and turn, and a spline by some more."""
+"""Between its ends an arc is off a line by 1/8 of length times turn, and a spline by some more."""
 
 _LEAST = 0.1
 """At the ends of lines a spline is given at least this share of the tolerance."""
@@ -90,8 +90,9 @@ def _smooth_corners(moves: Sequence[Move]) -> npt.NDArray[np.bool_]:
     tolerance = np.minimum(blend[:-1], blend[1:])
     touching = tolerance >= DEVIATION * turn * 0.5 * np.maximum(lengths[:-1], lengths[1:])
     alike = np.array([_alike(*pair) for pair in pairwise(moves)])
-    short: npt.NDArray[np.bool_] = touching & (turn <= _STRAIGHT) & (tolerance >= _FINEST)
-    return short & alike
+    smooth: npt.NDArray[np.bool_] = (turn <= _STRAIGHT) & (tolerance >= _FINEST)
+    smooth &= touching & alike
+    return smooth
 
 
 def _tolerance(move: Move) -> float:
