@@ -1,16 +1,23 @@
 """Single instructions, in both protocols, on virtual servos behind a socket."""
 
+import os
+import threading
+import tty
+
 import numpy as np
 import pytest
 
 from splinearm.drivers.bus import PingReply
 from splinearm.drivers.chain import ServoChain, ServoRole, ServoSpec
+from splinearm.drivers.client import ServoClient
 from splinearm.drivers.cyclic import GroupRead, GroupWrite
 from splinearm.drivers.dialect import protocol_of, protocols_of
 from splinearm.drivers.dynamixel import DynamixelBus, scan
 from splinearm.drivers.groups import BulkRead
+from splinearm.drivers.link import SerialLink
 from splinearm.drivers.model import servo_model
-from splinearm.errors import BusTimeoutError, PortError, ServoError
+from splinearm.drivers.packets import encode_status
+from splinearm.errors import BusTimeoutError, PacketError, PortError, ServoError
 from splinearm.joints import JointKind, JointLimits
 from splinearm.kinematics.arm import Arm
 from splinearm.kinematics.dh import DHConvention, DHLink
@@ -145,3 +152,60 @@ def test_the_protocol_of_a_servo_is_told_by_its_settings_its_chain_or_its_model(
     assert protocol_of(spec(1, "XM430-W350", settings={"Protocol Type": 1}), 2.0) == 1
     assert protocol_of(spec(1, "AX-12A"), 2.0) == 1
     assert protocol_of(spec(1, "XL330-M077"), 1.0) == 2
+
+
+class Answering:
+    """A servo at the other end of a line, which answers as it is told, one instruction a time."""
+
+    def __init__(self, *answers):
+        self.heard = 0
+        self._near, self._far = os.openpty()
+        tty.setraw(self._far)
+        os.set_blocking(self._far, False)
+        self._answers = answers
+        self._thread = threading.Thread(target=self._serve)
+        self.client = ServoClient(SerialLink("/dev/ttyX", self._far, 1_000_000, 0.05))
+
+    def _serve(self):
+        for answer in self._answers:
+            os.read(self._near, 1000)
+            self.heard += 1
+            os.write(self._near, answer)
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self._thread.join()
+        os.close(self._near)
+        os.close(self._far)
+
+
+LATE = encode_status(1, params=bytes((1, 2, 3, 4)))
+"""What is left of a reading of four bytes that was given up too soon."""
+TAKEN = encode_status(1)
+
+
+def test_a_late_reading_is_no_acknowledgement():
+    with Answering(LATE, TAKEN) as servo:
+        servo.client.write(1, XM["Goal Position"], 7)
+    assert servo.heard == 2, "it was written again"
+
+
+def test_an_acknowledgement_is_no_reading():
+    with Answering(TAKEN + LATE) as servo:
+        assert servo.client.read(1, XM["Goal Position"]) == 0x04030201
+    with (
+        Answering(TAKEN, TAKEN, TAKEN) as servo,
+        pytest.raises(PacketError, match=r"one with 0 where a status with 4 bytes of servo 1"),
+    ):
+        servo.client.read(1, XM["Goal Position"])
+
+
+def test_a_refusal_answers_whatever_was_asked():
+    with (
+        Answering(encode_status(1, error=4)) as servo,
+        pytest.raises(ServoError, match="range"),
+    ):
+        servo.client.read(1, XM["Goal Position"])

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from splinearm.errors import BusTimeoutError, PacketError, ServoError
 
@@ -89,9 +90,10 @@ class ServoClient:
             BusTimeoutError: If it does not answer.
             PacketError: If what it answers is damaged.
         """
-        packet = self._do(servo_id, Instruction.PING, tries=tries, answer=3)
         protocol = self._dialect(servo_id).number
-        if protocol == 2 and len(packet.params) == 3:
+        answer = 3 if protocol == 2 else 0
+        packet = self._do(servo_id, Instruction.PING, tries=tries, answer=answer)
+        if protocol == 2:
             number = packet.params[0] | packet.params[1] << 8
             return PingReply(servo_id, number, packet.params[2])
         number = int.from_bytes(self._read(servo_id, 0, 2, "Model Number"), "little")
@@ -291,11 +293,7 @@ class ServoClient:
     def _read(self, servo_id: int, address: int, size: int, name: str) -> bytes:
         """Read bytes of one servo."""
         params = self._dialect(servo_id).read_params(address, size)
-        packet = self._do(servo_id, Instruction.READ, params, about=name, answer=size)
-        if len(packet.params) != size:
-            actual = f"{len(packet.params)} bytes"
-            raise PacketError(f"{size} bytes of {name} of servo {servo_id}", actual)
-        return packet.params
+        return self._do(servo_id, Instruction.READ, params, about=name, answer=size).params
 
     def _do(
         self,
@@ -310,39 +308,66 @@ class ServoClient:
         """Send one instruction and give the status that answers it, trying again if it is lost."""
         dialect = self._dialect(servo_id)
         frame = dialect.frame(servo_id, instruction, params)
-        damaged = False
+        heard = _Heard()
         for attempt in range(tries):
             self._retries[servo_id] += attempt > 0
-            packet, damaged = self._hear(dialect, servo_id, frame, answer)
-            if packet is not None:
-                _refuse(packet, about or instruction.name.lower().replace("_", " "))
-                return packet
-        if damaged:
+            heard = self._hear(dialect, servo_id, frame, answer)
+            if heard.answer is not None:
+                _refuse(heard.answer, about or instruction.name.lower().replace("_", " "))
+                return heard.answer
+        if heard.other is not None:
+            actual = f"one with {len(heard.other.params)}"
+            raise PacketError(f"a status with {answer} bytes of servo {servo_id}", actual)
+        if heard.damaged:
             raise PacketError(f"an answer of servo {servo_id}", "a damaged packet")
         raise BusTimeoutError(servo_id, about, port=self.port)
 
     def _hear(
         self, dialect: Dialect, servo_id: int, frame: bytes, answer: int
-    ) -> tuple[Packet | None, bool]:
-        """Send a packet; give the status of that servo, or whether what came was damaged."""
+    ) -> "_Heard":
+        """Send a packet; give the status that answers it, or what came instead.
+
+        A status with other than ``answer`` bytes answers something else: an instruction before it
+        that was given up too soon.
+        """
         link = self._link
         deadline = link.send(frame, 1, dialect.status_length + answer)
         deadline += max(_PATIENCE - link.margin, 0.0)
-        came, damaged = b"", False
+        came, heard = b"", _Heard()
         while data := link.receive_some(deadline):
             came += data
             listener = dialect.listener()
             # an adapter may echo; in Protocol 1.0 nothing else tells an echo from an answer
+            other = None
             for packet in listener.feed(came.removeprefix(frame)):
-                if packet.servo_id == servo_id:
-                    return packet, False
-            damaged = listener.damaged
-        return None, damaged
+                if packet.servo_id != servo_id:
+                    continue
+                if len(packet.params) == answer or _number(packet):
+                    return _Heard(answer=packet)
+                other = packet
+            heard = _Heard(other=other, damaged=listener.damaged)
+        return heard
+
+
+class _Heard(NamedTuple):
+    """What came after an instruction."""
+
+    answer: Packet | None = None
+    """The status that answers it."""
+    other: Packet | None = None
+    """A status of that servo that answers something else."""
+    damaged: bool = False
+    """Whether something came that was damaged."""
+
+
+def _number(packet: Packet) -> int:
+    """Give the error number of a status; 0: none."""
+    return packet.error & ~ALERT_BIT & 0xFF
 
 
 def _refuse(packet: Packet, what: str) -> None:
     """Raise if the error byte of a status holds an error number."""
-    number = packet.error & ~ALERT_BIT & 0xFF
+    number = _number(packet)
     if number:
         text = ERROR_TEXTS.get(number, f"error {number}")
         reason = f"{what} refused: {text}"
