@@ -18,7 +18,7 @@ from typing import Any, TypeVar, cast
 import numba
 import numpy as np
 from numba import types
-from numba.core import config, event
+from numba.core import config, event, options
 
 _LOG = logging.getLogger(__name__)
 
@@ -28,6 +28,9 @@ _FAST = {"contract", "nsz", "arcp"}
 Never ``reassoc``, which would undo the exact argument reduction of sine and cosine, nor ``nnan``,
 which would let a number that is not finite pass its check.
 """
+
+_UNCOUNTED = {"_nrt": False} if hasattr(options.DefaultOptions, "_nrt") else {}
+"""Makes no code for the life of arrays."""
 
 _ROOT = Path(__file__).parent
 
@@ -54,8 +57,17 @@ def fast_kernel(function: _Function) -> _Function:
     return _compiled(function, fastmath=_FAST)
 
 
-def _compiled(function: _Function, *, fastmath: bool | set[str]) -> _Function:
-    jit = numba.njit(cache=True, error_model="numpy", fastmath=fastmath)
+def bare_kernel(function: _Function) -> _Function:
+    """Give ``function`` compiled like by `fast_kernel`; it makes no arrays and counts none.
+
+    A count of who uses an array costs as much as ten divisions, and is kept wherever one is put
+    into a tuple or handed on.
+    """
+    return _compiled(function, fastmath=_FAST, **_UNCOUNTED)
+
+
+def _compiled(function: _Function, *, fastmath: bool | set[str], **more: bool) -> _Function:
+    jit = numba.njit(cache=True, error_model="numpy", fastmath=fastmath, **more)
     compiled: _Function = jit(function)
     restamp(compiled, function)
     generalise(compiled)
