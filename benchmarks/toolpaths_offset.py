@@ -138,7 +138,7 @@ def main() -> None:
         part, d = star(n), -1e-3 * d_mm
         run = ours(part, d)
         works = [run, *(work(part, d) for work in peers.values())]
-        best, *times = shortest(*works, number=1, rounds=40 if n < 100 else 3)
+        best, *times = shortest(*works, number=20 if n < 100 else 1, rounds=5)
         pieces = sum(len(c.vertices) for region in run() for c in region.contours)
         print(f"{n:9d} {d_mm:5d} {1e3 * best:9.3f} {pieces:7d}", end="")
         print("".join(f" {1e3 * time:14.2f} {time / best:7.1f}" for time in times), flush=True)

@@ -185,3 +185,40 @@ def test_crossings_are_reported_with_coordinates():
         Region(square, (Contour.circle([2, 2], 1.0), Contour.circle([2, 2], 0.5)))
     with pytest.raises(ValueError, match="open"):
         Region(Contour.polyline([[0, 0], [1, 0]], closed=False))
+
+
+@pytest.mark.parametrize("bulge", [0.0, 0.1])
+def test_ways_that_cross_in_a_corner_of_both_are_refused_with_the_place(bulge):
+    crossing = np.array([[0, 0], [5, 5], [10, 10], [10, 0], [5, 5], [0, 12]]) * 1e-3
+    bulges = np.array([bulge, 0.0, 0.0, bulge, 0.0, 0.0])
+    with pytest.raises(ContourError) as caught:
+        Region(Contour(crossing, bulges))
+    assert caught.value.where == pytest.approx((5e-3, 5e-3))
+    touching = np.array([[0, 0], [5, 5], [10, 0], [10, 10], [5, 5], [0, 10]]) * 1e-3
+    assert Region(Contour.polyline(touching)).area == pytest.approx(50e-6)
+
+
+def test_an_island_that_leaves_through_corners_of_its_outline_is_refused():
+    outline = Contour.polyline([[0, 0], [4, 0], [6, 0], [10, 0], [10, 10], [0, 10]])
+    with pytest.raises(ContourError, match="crosses"):
+        Region(outline, (Contour.polyline([[5, 2], [4, 0], [5, -1], [6, 0]]),))
+    beside = Region(outline, (Contour.polyline([[5, 2], [4, 0], [6, 1]]),))
+    assert beside.area == pytest.approx(100.0 - 1.5)
+
+
+@pytest.mark.parametrize("corner", [[3.0, 0.0], [2.0, 3.0]])
+def test_contours_that_share_a_part_of_an_edge_are_refused_with_the_place(corner):
+    outline = Contour.rectangle([0.0, 0.0], [10.0, 10.0])
+    islands = (Contour.rectangle([3.0, 5.0], [2.0, 2.0]), Contour.rectangle(corner, [4.0, 2.0]))
+    with pytest.raises(ContourError, match="lies along") as caught:
+        Region(outline, islands)
+    assert caught.value.where == pytest.approx((5.0, 0.0) if corner[1] == 0.0 else (4.0, 5.0))
+
+
+def test_round_islands_that_share_an_arc_are_refused_and_such_that_touch_are_not():
+    outline = Contour.rectangle([-2.0, -2.0], [5.0, 4.0])
+    ring, touching = Contour.circle([0.0, 0.0], 1.0), Contour.circle([2.0, 0.0], 1.0)
+    bite = Contour(np.array([[0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]), np.array([-tan(pi / 8), 0, 0]))
+    with pytest.raises(ContourError, match="lies along"):
+        Region(outline, (ring, bite))
+    assert len(Region(outline, (ring, touching)).islands) == 2

@@ -67,3 +67,13 @@ def test_areas_of_a_hundred_rounded_rectangles_with_round_islands_are_known():
             wanted = (w + 2 * d) * (h + 2 * d) - (4.0 - pi) * left**2 - pi * (island - d) ** 2
             (result,) = offset(part, d)
             assert result.area == pytest.approx(wanted, rel=1e-12)
+
+
+@pytest.mark.parametrize("left", [1e-4, 1e-6])
+def test_a_region_of_many_sides_is_right_just_before_it_vanishes(left):
+    n = 240
+    angle = 2.0 * pi * np.arange(n) / n
+    round_ = Contour.polyline(np.stack((np.cos(angle), np.sin(angle)), 1))
+    room = np.cos(pi / n)
+    (result,) = offset(round_, -room * (1.0 - left))
+    assert result.area == pytest.approx(n * tan(pi / n) * (room * left) ** 2, rel=1e-3)

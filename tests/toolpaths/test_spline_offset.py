@@ -61,6 +61,10 @@ CASES = [
 ]  # fmt: skip
 
 
+HALVED = {"peanut": 344, "star": 620, "cshape": 564, "wiggle": 1116, "nurbs_blob": 312}
+"""Biarcs of each outline within 1e-7 m if ranges of its parameter are halved until they fit."""
+
+
 def samples(piece, count=60):
     """Give places of a piece, many in each of its spans."""
     if isinstance(piece, SplinePiece):
@@ -104,11 +108,11 @@ def test_the_offset_of_a_spline_lies_within_the_tolerance_beyond_the_distance(di
 
 @pytest.mark.kernel
 def test_the_offset_begins_and_ends_beside_the_ends_and_in_their_direction():
-    (found,) = offset_spline(S_CURVE, 0.15, 1e-4)
+    (found,) = offset_spline(S_CURVE, 0.15, 1e-2)
     for ours, theirs in zip(found.domain, S_CURVE.domain, strict=True):
         way = S_CURVE.at(theirs, 1) / hypot(*S_CURVE.at(theirs, 1))
         beside = S_CURVE.at(theirs) + 0.15 * np.array([-way[1], way[0]])
-        assert np.abs(found.at(ours) - beside).max() <= 1e-4
+        assert np.abs(found.at(ours) - beside).max() <= 1e-2
         mine = found.at(ours, 1)
         assert mine / hypot(*mine) == pytest.approx(way, abs=1e-9)
 
@@ -255,6 +259,8 @@ def test_closed_splines_keep_the_right_loops_at_fine_tolerances(name, distance, 
     assert len(wires) == loops
     for wire in wires:
         check_between(curve, wire.pieces, abs(distance) * 1e-3, tolerance)
+    if tolerance == 1e-7:
+        assert control_points(wires) <= HALVED[name] / 6
 
 
 def test_what_an_outline_encloses_is_on_its_left_and_a_closed_opening_becomes_a_hole():
@@ -331,10 +337,16 @@ def test_an_island_grows_into_what_is_left_of_its_part():
         check_between(curve, wire.pieces, 0.005, 1e-6)
 
 
-def test_the_thirteen_cases_take_few_points():
+def test_an_outline_of_many_splines_that_join_smoothly_takes_no_more_points_than_one():
     curve = OUTLINES["star"]()
-    wires = offset_outline([SplinePiece(curve)], -0.006, 1e-7)
-    assert control_points(wires) <= 924 / 6
+    pieces = [SplinePiece(part) for part in curve.split(0.37)]
+    pieces = [SplinePiece(p) for one in pieces for p in one.curve.split(np.mean(one.curve.domain))]
+    one, many = (offset_outline(way, 0.012, 1e-6) for way in ([SplinePiece(curve)], pieces))
+    assert [len(wire.pieces) for wire in one] == [len(wire.pieces) for wire in many] == [5]
+    # which start it has of a way to fewer points is chance
+    assert abs(control_points(one) - control_points(many)) <= 5
+    for wire in many:
+        check_between(curve, wire.pieces, 0.012, 1e-6)
 
 
 def test_wrong_arguments_say_what_came():

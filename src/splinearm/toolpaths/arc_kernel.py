@@ -14,14 +14,14 @@ at the foot of a point to grow along the whole piece.
 import math
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import fast_kernel
+from splinearm.compiled import bare_kernel
 
 COLUMNS = 9
 
 _PARALLEL = 1e-14
 
 
-@fast_kernel
+@bare_kernel
 def set_piece(P: FloatArray, i: int, ends: tuple[float, float, float, float], k: float) -> None:
     """Write a piece from its ends and its curvature."""
     ax, ay, bx, by = ends
@@ -38,7 +38,7 @@ def set_piece(P: FloatArray, i: int, ends: tuple[float, float, float, float], k:
     P[i, 7], P[i, 8] = -(ey * co + ex * s), ex * co - ey * s
 
 
-@fast_kernel
+@bare_kernel
 def distance(P: FloatArray, i: int, x: float, y: float) -> float:
     """Give how far a point is from a piece."""
     qx, qy = x - P[i, 0], y - P[i, 1]
@@ -57,7 +57,7 @@ def distance(P: FloatArray, i: int, x: float, y: float) -> float:
     return far
 
 
-@fast_kernel
+@bare_kernel
 def share(P: FloatArray, i: int, x: float, y: float) -> float:
     """Give the share of the chord at the foot of a point."""
     ex, ey = P[i, 2] - P[i, 0], P[i, 3] - P[i, 1]
@@ -68,7 +68,7 @@ def share(P: FloatArray, i: int, x: float, y: float) -> float:
     return u
 
 
-@fast_kernel
+@bare_kernel
 def at_share(P: FloatArray, i: int, u: float) -> tuple[float, float]:
     """Give the point of a piece over a share of its chord."""
     ax, ay = P[i, 0], P[i, 1]
@@ -88,7 +88,7 @@ def at_share(P: FloatArray, i: int, u: float) -> tuple[float, float]:
     return ax + px + w * lx, ay + py + w * ly
 
 
-@fast_kernel
+@bare_kernel
 def box_of(P: FloatArray, i: int) -> tuple[float, float, float, float]:
     """Give the box about a piece: least x and y, largest x and y."""
     ax, ay, bx, by, k = P[i, 0], P[i, 1], P[i, 2], P[i, 3], P[i, 4]
@@ -105,7 +105,7 @@ def box_of(P: FloatArray, i: int) -> tuple[float, float, float, float]:
     return x0, y0, x1, y1
 
 
-@fast_kernel
+@bare_kernel
 def circles_meet(
     P: FloatArray, i: int, Q: FloatArray, j: int
 ) -> tuple[int, float, float, float, float]:
@@ -142,7 +142,7 @@ def circles_meet(
     return 2, ox + ux, oy + uy, ox + x0 + s * wx, oy + y0 + s * wy
 
 
-@fast_kernel
+@bare_kernel
 def disc_cuts(P: FloatArray, i: int, x: float, y: float, radius: float) -> tuple[int, float, float]:
     """Give where the edge of a disc cuts a piece: how often, and the shares, rising."""
     ax, ay, k = P[i, 0], P[i, 1], P[i, 4]

@@ -6,15 +6,19 @@ All lengths are in units of the part, like in ``offset_kernel``.
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import fast_kernel
+from splinearm.compiled import bare_kernel, fast_kernel
 
 from .arc_kernel import at_share, box_of, circles_meet, distance, share
 from .tree_kernel import RUN, nearest, overlapping, tree_of
 
+IndexArray = npt.NDArray[np.int64]
+
 SNAP = 1e-11
 """Points nearer to each other than this are one."""
+_CELL = 20.0 * SNAP
 _BESIDE = 0.3 * SNAP
 """How far beyond its ends a piece still meets others: less than what is snapped to its end."""
 SURE = 2e-13
@@ -33,10 +37,31 @@ def meetings(S: FloatArray) -> tuple[FloatArray, int]:
     T = tree_of(S, n, SNAP)
     runs = np.empty(T.shape[0] + 128)
     H = np.empty((8 * n + 64, 4))
-    m = 0
-    for i in range(n):
+    i, m = _meetings(S, (T, runs), 0, H, 0)
+    while i < n:
+        wider = np.empty((2 * H.shape[0], 4))
+        wider[:m] = H[:m]
+        H = wider
+        i, m = _meetings(S, (T, runs), i, H, m)
+    return H, m
+
+
+@bare_kernel
+def _meetings(
+    S: FloatArray, tree: tuple[FloatArray, FloatArray], i: int, H: FloatArray, m: int
+) -> tuple[int, int]:
+    """Write where pieces meet others behind them, from one on while there is room.
+
+    Returns:
+        The next piece, and how many meetings are written.
+    """
+    T, runs = tree
+    n = S.shape[0]
+    while i < n:
         box = box_of(S, i)
         count = overlapping(T, box, i + 1, runs)
+        if m + 6 * RUN * count > H.shape[0]:
+            break
         for k in range(count):
             first = int(runs[k]) * RUN
             for j in range(max(first, i + 1), min(n, first + RUN)):
@@ -48,17 +73,12 @@ def meetings(S: FloatArray) -> tuple[FloatArray, int]:
                     or other[3] < box[1] - SNAP
                 ):
                     continue
-                if m + 6 > H.shape[0]:
-                    wider = np.empty((2 * H.shape[0], 4))
-                    for q in range(m):
-                        for c in range(4):
-                            wider[q, c] = H[q, c]
-                    H = wider
                 m = _meet(S, i, j, H, m)
-    return H, m
+        i += 1
+    return i, m
 
 
-@fast_kernel
+@bare_kernel
 def _meet(S: FloatArray, i: int, j: int, H: FloatArray, m: int) -> int:
     """Write where two pieces meet, and ends that lie on the other piece."""
     found, ux, uy, vx, vy = circles_meet(S, i, S, j)
@@ -70,13 +90,15 @@ def _meet(S: FloatArray, i: int, j: int, H: FloatArray, m: int) -> int:
     for c in (0, 2):
         for on, of in ((i, j), (j, i)):
             x, y = S[of, c], S[of, c + 1]
+            if (x == S[on, 0] and y == S[on, 1]) or (x == S[on, 2] and y == S[on, 3]):
+                continue  # one node as it is
             if distance(S, on, x, y) <= SNAP:
                 H[m, 0], H[m, 1], H[m, 2], H[m, 3] = x, y, i, j
                 m += 1
     return m
 
 
-@fast_kernel
+@bare_kernel
 def _beside(S: FloatArray, i: int, x: float, y: float) -> bool:
     """Say whether a point of the circle of a piece is on the piece itself."""
     qx, qy = x - S[i, 0], y - S[i, 1]
@@ -86,7 +108,7 @@ def _beside(S: FloatArray, i: int, x: float, y: float) -> bool:
     return ahead >= -_BESIDE and behind <= _BESIDE
 
 
-@fast_kernel
+@bare_kernel
 def _root(parent: FloatArray, i: int) -> int:
     """Give the first of the points that are one with a point."""
     while parent[i] != i:
@@ -106,11 +128,13 @@ def _snapped(X: FloatArray) -> FloatArray:
     parent = np.empty(n)
     for i in range(n):
         parent[i] = i
-        # a cell is twice as wide as what is snapped: at most four of them are near
-        fx, fy = X[i, 0] / (2.0 * SNAP), X[i, 1] / (2.0 * SNAP)
+        # cells are much wider than what is snapped: mostly one of them is near, at most four
+        fx, fy = X[i, 0] / _CELL, X[i, 1] / _CELL
         cx, cy = math.floor(fx), math.floor(fy)
-        sx, sy = 1.0 if fx - cx > 0.5 else -1.0, 1.0 if fy - cy > 0.5 else -1.0
+        sx, sy = _border(fx - cx), _border(fy - cy)
         for k in range(4):
+            if (k % 2 == 1 and sx == 0.0) or (k // 2 == 1 and sy == 0.0):
+                continue
             slot = _slot(cx + sx * (k % 2), cy + sy * (k // 2), size)
             j = head[slot]
             while j >= 0:
@@ -126,7 +150,14 @@ def _snapped(X: FloatArray) -> FloatArray:
     return parent
 
 
-@fast_kernel
+@bare_kernel
+def _border(share: float) -> float:
+    """Give to which side of a cell the next one is near what lies at a share of it; 0: to none."""
+    near = 1.01 * SNAP / _CELL
+    return -1.0 if share < near else (1.0 if share > 1.0 - near else 0.0)
+
+
+@bare_kernel
 def _slot(cx: float, cy: float, size: int) -> int:
     """Give the place of a cell in a table whose size is a power of two."""
     mixed = np.int64(cx) * 73856093 ^ np.int64(cy) * 19349663
@@ -180,27 +211,49 @@ def edges_of(
                 U[k], N[k] = U[k - 1], N[k - 1]
                 k -= 1
             U[k], N[k] = u, int(node[h])
+    # what meets in each node: 2 where one piece ends, another begins and nothing else is
+    shared = np.zeros(X.shape[0], np.int64)
+    for h in range(X.shape[0]):
+        shared[int(node[h])] += 4 if h < hits else 1
     E = np.empty((2 * hits + n + 1, EDGE))
+    m = _edges(S, (P, T, d), C, (at, U, N, shared), E, np.empty((128, 2)))
+    return E[:m], X
+
+
+@bare_kernel
+def _edges(
+    S: FloatArray,
+    model: tuple[FloatArray, FloatArray, float],
+    C: FloatArray,
+    along: tuple[IndexArray, FloatArray, IndexArray, IndexArray],
+    E: FloatArray,
+    stack: FloatArray,
+) -> int:
+    """Write the edges between nodes along pieces that are far enough, and give how many."""
+    at, U, N, shared = along
     m, hint = 0, -1
-    stack = np.empty((128, 2))
-    for i in range(n):
+    rank, last = -1.0, -1
+    for i in range(S.shape[0]):
         u, start = U[at[i]], N[at[i]]
         for k in range(at[i] + 1, at[i + 1]):
             if N[k] == start:
                 u = U[k]
                 continue
             v = U[k]
-            rank, hint = _rank(S, i, 0.5 * (u + v), (P, T, d), hint, stack)
-            if rank > 0.0 and C.shape[0] > 0 and _in_corner(S, i, 0.5 * (u + v), C, d):
-                rank = 0.0
-            if rank > 0.0:
+            # how a way lies changes only where another meets it, not from one piece into the next;
+            # round corners are all there to be met
+            if start != last or shared[start] != 2 or rank == 1.0 or C.shape[0] > 0:
+                rank, hint = _rank(S, i, 0.5 * (u + v), model, hint, stack)
+            last = N[k]
+            in_corner = C.shape[0] > 0 and _in_corner(S, i, 0.5 * (u + v), C, model[2])
+            if rank > 0.0 and not in_corner:
                 E[m, 0], E[m, 1], E[m, 2], E[m, 3], E[m, 4], E[m, 5] = start, N[k], i, u, v, rank
                 m += 1
             u, start = v, N[k]
-    return E[:m], X
+    return m
 
 
-@fast_kernel
+@bare_kernel
 def _rank(
     S: FloatArray,
     i: int,
@@ -220,7 +273,7 @@ def _rank(
     return (1.0 if far >= d - SPARE else 0.0), near
 
 
-@fast_kernel
+@bare_kernel
 def _in_corner(S: FloatArray, i: int, u: float, C: FloatArray, d: float) -> bool:
     """Say whether a piece lies at a share in a corner that is not round."""
     x, y = at_share(S, i, u)

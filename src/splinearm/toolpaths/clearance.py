@@ -72,7 +72,8 @@ class Wall:
     def _least(
         self, vertices: FloatArray, bulges: FloatArray, starts: FloatArray | None = None
     ) -> tuple[float, float, float]:
-        from .offset_check_kernel import measured, segments_of
+        from .offset_check_kernel import segments_of
+        from .offset_touch_kernel import measured
 
         if starts is None:
             starts = np.array([0.0, float(len(vertices))])

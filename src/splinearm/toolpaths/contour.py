@@ -358,6 +358,9 @@ def joined(contours: Iterable[Contour]) -> tuple[FloatArray, FloatArray, FloatAr
         Vertices, shape (m, 2), bulges, shape (m,), and the first vertex of each and m.
     """
     several = tuple(contours)
+    if len(several) == 1 and several[0].closed:
+        one = several[0]
+        return one.vertices.copy(), one.bulges.copy(), np.array([0.0, len(one.bulges)])
     starts = np.cumsum([0.0] + [len(contour.vertices) for contour in several])
     vertices = np.concatenate([contour.vertices for contour in several])
     bulges = np.zeros(len(vertices))

@@ -10,11 +10,12 @@ import math
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import fast_kernel
+from splinearm.compiled import bare_kernel, fast_kernel
 
 from .arc_kernel import at_share
 from .arrangement_kernel import SNAP, edges_of
-from .offset_kernel import corners_of, raw_pieces, surviving
+from .offset_kernel import corners_of, raw_pieces
+from .offset_left_kernel import surviving
 
 _SHORT = 1e-7
 """Edges shorter than this may be dropped to let loops close."""
@@ -33,7 +34,7 @@ def _chain(E: FloatArray, column: int, nodes: int) -> tuple[FloatArray, FloatArr
     return head, after
 
 
-@fast_kernel
+@bare_kernel
 def _cancel(E: FloatArray, S: FloatArray, head: FloatArray, after: FloatArray) -> None:
     """Drop edges that lie on each other: both that run against each other, one of equal ones."""
     for e in range(E.shape[0]):
@@ -117,7 +118,7 @@ def _balance(E: FloatArray, X: FloatArray) -> int:
     return -1
 
 
-@fast_kernel
+@bare_kernel
 def _way(S: FloatArray, i: int, u: float) -> tuple[float, float]:
     """Give the direction of a piece at a share, of length 1 but for rounding."""
     x, y = at_share(S, i, u)
@@ -125,7 +126,7 @@ def _way(S: FloatArray, i: int, u: float) -> tuple[float, float]:
     return S[i, 6] - k * (y - S[i, 1]), -(S[i, 5] - k * (x - S[i, 0]))
 
 
-@fast_kernel
+@bare_kernel
 def _next_edge(
     E: FloatArray, S: FloatArray, e: int, outgoing: tuple[FloatArray, FloatArray], start: int
 ) -> int:
@@ -149,7 +150,7 @@ def _next_edge(
     return best
 
 
-@fast_kernel
+@bare_kernel
 def _turn_into(E: FloatArray, S: FloatArray, e: int, f: int) -> tuple[float, float]:
     """Give how far the way turns left from one edge into another, and the other's curvature."""
     i, j = int(E[e, 2]), int(E[f, 2])
@@ -185,10 +186,24 @@ def loops_of(
     wrong = _balance(E, X)
     V, starts, areas = np.empty((E.shape[0] + 2, 4)), np.empty(E.shape[0] + 1), np.empty(E.shape[0])
     starts[0] = 0
-    loops, rows = 0, 0
     if wrong >= 0:
         return V[:0], starts[:1], areas[:0], wrong
     way = np.empty(E.shape[0])
+    loops, rows = _loops((E, X, S, numbers), (head, after), way, (V, starts, areas))
+    return V[:rows], starts[: loops + 1], areas[:loops], -1
+
+
+@bare_kernel
+def _loops(
+    graph: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
+    outgoing: tuple[FloatArray, FloatArray],
+    way: FloatArray,
+    written: tuple[FloatArray, FloatArray, FloatArray],
+) -> tuple[int, int]:
+    """Walk all loops and write them; give how many there are, and how many rows."""
+    E, X, S, numbers = graph
+    V, starts, areas = written
+    loops, rows = 0, 0
     for start in range(E.shape[0]):
         if E[start, 5] != 2.0:
             continue
@@ -197,7 +212,7 @@ def loops_of(
             way[count] = e
             count += 1
             E[e, 5] = 0.0
-            e = _next_edge(E, S, e, (head, after), start)
+            e = _next_edge(E, S, e, outgoing, start)
             if e == start or e < 0:
                 break
         rows, area, length = _write_loop(E, X, S, numbers, (way, count), V, rows)
@@ -207,10 +222,10 @@ def loops_of(
         areas[loops] = area
         loops += 1
         starts[loops] = rows
-    return V[:rows], starts[: loops + 1], areas[:loops], -1
+    return loops, rows
 
 
-@fast_kernel
+@bare_kernel
 def _turn_of(E: FloatArray, X: FloatArray, S: FloatArray, e: int) -> float:
     """Give by how much an edge turns."""
     a, b = int(E[e, 0]), int(E[e, 1])
@@ -218,7 +233,7 @@ def _turn_of(E: FloatArray, X: FloatArray, S: FloatArray, e: int) -> float:
     return 2.0 * math.asin(max(-1.0, min(1.0, 0.5 * S[int(E[e, 2]), 4] * c)))
 
 
-@fast_kernel
+@bare_kernel
 def _write_loop(
     E: FloatArray,
     X: FloatArray,
@@ -268,7 +283,7 @@ def _write_loop(
     return rows, area, length
 
 
-@fast_kernel
+@bare_kernel
 def _one(E: FloatArray, S: FloatArray, numbers: FloatArray, e: int, f: int) -> bool:
     """Say whether one edge goes on along the line or arc of another."""
     i, j = int(E[e, 2]), int(E[f, 2])

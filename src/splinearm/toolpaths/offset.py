@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import pairwise
-from math import frexp, ldexp
+from math import frexp, isfinite, ldexp
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,13 +26,38 @@ class _Scaled:
     """Loops moved to the origin and scaled to about 1, with what is searched in them."""
 
     model: "Model"
+    unit: float
+    """What is 1, m: a power of two."""
     outward: bool
+    turned: bool
+    """Whether the loops run the other way."""
 
 
-def _scaled(contours: Iterable[Contour], reach: float, *, outward: bool) -> _Scaled:
+def _scaled(
+    contours: Iterable[Contour], reach: float, *, outward: bool, turned: bool = False
+) -> _Scaled:
     from .offset_made_kernel import prepared
 
-    return _Scaled(prepared(*joined(contours), reach), outward)
+    model = prepared(*joined(contours), reach, 1.0 if turned else 0.0)
+    return _Scaled(model, float(model[-1][2]), outward, turned)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Loops:
+    """Closed loops one after the other."""
+
+    vertices: FloatArray
+    bulges: FloatArray
+    numbers: FloatArray
+    """The same along one line or arc, rising along the part; not of turned ones."""
+    starts: FloatArray
+    """The first vertex of each loop and how many there are."""
+    areas: FloatArray
+    """Of each, before it was turned."""
+
+    @property
+    def bounds(self) -> list[int]:
+        return [int(start) for start in self.starts.tolist()]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +66,7 @@ class Offsets:
 
     part: Region
     """The part."""
-    _sides: dict[tuple[bool, int], _Scaled] = field(init=False, repr=False, default_factory=dict)
+    _sides: dict[tuple[bool, float], _Scaled] = field(init=False, repr=False, default_factory=dict)
 
     def at(
         self, distance: float, *, corner: str = "round", mitre_limit: float = 2.0
@@ -55,18 +80,17 @@ class Offsets:
         return _regions(_offset_loops(scaled, abs(distance), style), outward=outward)
 
     def _side(self, outward: bool, reach: float) -> _Scaled:  # noqa: FBT001
+        found = self._sides.get((outward, 0.0))
+        if found is None:
+            found = _scaled(self.part.contours, 0.0, outward=outward, turned=outward)
+            self._sides[outward, 0.0] = found
+        if reach <= found.unit:
+            return found
         # a distance beyond the size of the part wants a larger scale
-        key = outward, max(0, frexp(reach / self._size)[1])
+        key = outward, ldexp(1.0, frexp(reach)[1])
         if key not in self._sides:
-            contours = self.part.contours
-            if outward:
-                contours = tuple(contour.reversed() for contour in contours)
-            self._sides[key] = _scaled(contours, ldexp(self._size, key[1]), outward=outward)
+            self._sides[key] = _scaled(self.part.contours, key[1], outward=outward, turned=outward)
         return self._sides[key]
-
-    @property
-    def _size(self) -> float:
-        return float(np.ptp(self.part.outer.vertices, axis=0).max())
 
 
 def offset(
@@ -131,9 +155,8 @@ def offset_path(
         return _beside_closed(path, distance, corner, mitre_limit)
     forward = path if distance > 0.0 else path.reversed()
     scaled = _scaled((_there_and_back(forward),), abs(distance), outward=True)
-    rows, starts, _ = _offset_loops(scaled, abs(distance), style)
-    segments = len(path.bulges)
-    ways = _ways(rows, starts, 2 * segments - 1)
+    loops = _offset_loops(scaled, abs(distance), style)
+    ways = _ways(loops, 2 * len(path.bulges) - 1)
     if distance < 0.0:
         ways = [way.reversed() for way in reversed(ways)]
     return tuple(ways)
@@ -155,7 +178,7 @@ def widened(
     style = _style(corner, distance, mitre_limit)
     if not distance > 0.0:
         raise ValueError(f"distance: want a length above zero, got {distance}")
-    scaled = _scaled((_there_and_back(path),), distance, outward=True)
+    scaled = _scaled((_there_and_back(path),), distance, outward=True, turned=True)
     return _regions(_offset_loops(scaled, distance, style), outward=True)
 
 
@@ -163,42 +186,42 @@ def _style(corner: str, distance: float, mitre_limit: float) -> tuple[float, flo
     """Give how corners are joined as kernels take it, and the reach of corners."""
     if corner not in _CORNERS:
         raise ValueError(f"corner: want one of {', '.join(_CORNERS)}, got {corner!r}")
-    if not np.isfinite(distance):
+    if not isfinite(distance):
         raise ValueError(f"distance: want a finite length, got {distance}")
     if not mitre_limit >= 1.0:
         raise ValueError(f"mitre_limit: want 1 or more, got {mitre_limit}")
     return _CORNERS[corner], mitre_limit
 
 
-def _offset_loops(
-    scaled: _Scaled, distance: float, style: tuple[float, float]
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Give checked loops of the offset to the left: rows, starts and areas of `checked_loops`."""
+def _offset_loops(scaled: _Scaled, distance: float, style: tuple[float, float]) -> _Loops:
+    """Give checked loops of the offset to the left."""
     from .offset_made_kernel import OPEN, checked_loops
 
     reach = 1.0 if style[0] == 0.0 else max(style[1], 1.4143)
-    rows, starts, areas, said = checked_loops(
-        scaled.model, distance, style, reach, 1.0 if scaled.outward else 0.0
+    *loops, said = checked_loops(
+        scaled.model,
+        distance,
+        style,
+        reach,
+        1.0 if scaled.outward else 0.0,
+        1.0 if scaled.turned else 0.0,
     )
     if said[0] == OPEN:
         raise OffsetError(distance, "its pieces do not close to loops", (said[1], said[2]))
     raise_of(said, distance)
-    return rows, starts, areas
+    return _Loops(*loops)
 
 
-def _regions(
-    loops: tuple[FloatArray, FloatArray, FloatArray], *, outward: bool
-) -> tuple[Region, ...]:
+def _regions(loops: _Loops, *, outward: bool) -> tuple[Region, ...]:
     """Give the regions that loops enclose."""
+    if len(loops.areas) == 1:
+        return (Region.made(Contour.made(loops.vertices, loops.bulges)),)
     outers: list[tuple[float, Contour]] = []
     islands: list[Contour] = []
-    rows, starts, areas = loops
-    bounds = starts.astype(int).tolist()
-    for k, area in enumerate(areas.tolist()):
-        own = rows[bounds[k] : bounds[k + 1]]
-        contour = Contour.made(own[:, :2].copy(), own[:, 2].copy())
-        if outward:
-            contour = contour.reversed()
+    bounds = loops.bounds
+    for k, area in enumerate(loops.areas.tolist()):
+        own = slice(bounds[k], bounds[k + 1])
+        contour = Contour.made(loops.vertices[own], loops.bulges[own])
         if (area > 0.0) != outward:
             outers.append((abs(area), contour))
         else:
@@ -244,23 +267,23 @@ def _beside_closed(
     return contours if leftward else tuple(contour.reversed() for contour in contours)
 
 
-def _ways(rows: FloatArray, starts: FloatArray, end: int) -> list[Contour]:
+def _ways(loops: _Loops, end: int) -> list[Contour]:
     """Give the runs of segments in loops whose number is below an end, as open contours."""
     found: list[tuple[float, Contour]] = []
-    bounds = starts.astype(int).tolist()
-    for first, last in pairwise(bounds):
-        own = rows[first:last]
-        kept = own[:, 3] < end
+    for first, last in pairwise(loops.bounds):
+        vertices, bulges = loops.vertices[first:last], loops.bulges[first:last]
+        numbers = loops.numbers[first:last]
+        kept = numbers < end
         if kept.all():
-            found.append((float(own[0, 3]), Contour.made(own[:, :2].copy(), own[:, 2].copy())))
+            found.append((float(numbers[0]), Contour.made(vertices, bulges)))
             continue
         # begun behind a segment that is not wanted, no run goes on over the end
         shift = int(np.argmin(kept))
-        own, kept = np.roll(own, -shift, axis=0), np.roll(kept, -shift)
+        order = np.roll(np.arange(last - first), -shift)
+        kept = kept[order]
         edges = np.flatnonzero(np.diff(np.concatenate(([False], kept, [False])).astype(int)))
         for a, b in edges.reshape(-1, 2).tolist():
-            corners = own[np.arange(a, b + 1) % len(own), :2]
-            found.append(
-                (float(own[a, 3]), Contour.made(corners, own[a:b, 2].copy(), closed=False))
-            )
+            run = order[np.arange(a, b + 1) % len(order)]
+            way = Contour.made(vertices[run], bulges[run[:-1]], closed=False)
+            found.append((float(numbers[run[0]]), way))
     return [way for _, way in sorted(found, key=lambda pair: pair[0])]

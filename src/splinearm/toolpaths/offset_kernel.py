@@ -1,8 +1,7 @@
-"""Every segment moved aside and what can be left of it, compiled.
+"""Every segment moved aside, and what joins them about corners, compiled.
 
 All lengths are in units of the part (`offset` scales it), loops are closed, and the offset is to
-the left. What a raw piece loses here is only what certainly goes: the crossings of what is left are
-found elsewhere.
+the left.
 """
 
 import math
@@ -12,20 +11,13 @@ import numpy as np
 from splinearm.arrays import FloatArray
 from splinearm.compiled import fast_kernel
 
-from .arc_kernel import COLUMNS, at_share, disc_cuts, distance, set_piece
-from .tree_kernel import nearest
+from .arc_kernel import COLUMNS, set_piece
 
 ROUND, MITRE, CHAMFER = 0.0, 1.0, 2.0
 
 _QUARTER = 0.5 * math.pi * (1.0 + 1e-9)
 _STRAIGHT = 1e-13
 """An outer corner whose arc would be no farther than this from one point is that point."""
-_LOOSE = 2e-11
-"""What is nearer to the part by more than this certainly goes."""
-_SPANS = 8
-"""What is left of one piece may be in so many parts."""
-_LOOKS = 12
-_FEW = 160
 
 
 @fast_kernel
@@ -201,176 +193,3 @@ def corners_of(
             C[m, 6], C[m, 7] = cut * (co * ux - si * uy), cut * (si * ux + co * uy)
             m += 1
     return C[:m]
-
-
-@fast_kernel
-def _without(spans: FloatArray, count: int, low: float, high: float) -> int:
-    """Take the shares from low to high out of spans, and give how many there are then."""
-    for k in range(count - 1, -1, -1):
-        a, b = spans[k, 0], spans[k, 1]
-        if low >= b or high <= a:
-            continue
-        if low <= a and high >= b:
-            count -= 1
-            spans[k, 0], spans[k, 1] = spans[count, 0], spans[count, 1]
-        elif low <= a:
-            spans[k, 0] = high
-        elif high >= b:
-            spans[k, 1] = low
-        elif count < _SPANS:
-            spans[k, 1] = low
-            spans[count, 0], spans[count, 1] = high, b
-            count += 1
-    return count
-
-
-@fast_kernel
-def _hull(R: FloatArray, r: int, spans: FloatArray, count: int) -> tuple[float, float, float]:
-    """Give a disc that all spans lie in."""
-    low, high = 1.0, 0.0
-    for k in range(count):
-        low, high = min(low, spans[k, 0]), max(high, spans[k, 1])
-    x, y = at_share(R, r, 0.5 * (low + high))
-    c = math.sqrt((R[r, 2] - R[r, 0]) ** 2 + (R[r, 3] - R[r, 1]) ** 2)
-    # half the way on the chord, by at most 1 / cos 45 deg longer on the arc
-    return x, y, 0.7072 * (high - low) * c
-
-
-@fast_kernel
-def _without_disc(
-    R: FloatArray, r: int, disc: tuple[float, float, float], spans: FloatArray, count: int
-) -> int:
-    """Take out of spans what lies in a disc, and give how many there are then."""
-    x, y, radius = disc
-    cuts, u, v = disc_cuts(R, r, x, y, radius)
-    start = 0.0
-    for k in range(cuts + 1):
-        end = 1.0 if k == cuts else (u if k == 0 else v)
-        # asked of each part's middle: where circles nearly touch, cuts are known badly
-        px, py = at_share(R, r, 0.5 * (start + end))
-        if (px - x) ** 2 + (py - y) ** 2 < radius * radius:
-            count = _without(spans, count, start, end)
-        start = end
-    return count
-
-
-@fast_kernel
-def _without_near(
-    R: FloatArray,
-    r: int,
-    spot: tuple[float, int, float],
-    model: tuple[FloatArray, int, float],
-    work: tuple[FloatArray, int],
-) -> int:
-    """Take out of spans what a near piece of the part certainly takes about a share."""
-    u, near, far = spot
-    P, _, reach = model
-    spans, count = work
-    x, y = at_share(R, r, u)
-    for c in (0, 2):
-        vx, vy = P[near, c], P[near, c + 1]
-        if (x - vx) ** 2 + (y - vy) ** 2 < reach * reach:
-            return _without_disc(R, r, (vx, vy, reach), spans, count)
-    chord = math.sqrt((R[r, 2] - R[r, 0]) ** 2 + (R[r, 3] - R[r, 1]) ** 2)
-    # the distance grows by no more than the way, which is at most 1.4143 times that on the chord
-    step = (reach - far) / (1.4143 * chord)
-    return _without(spans, count, u - step, u + step)
-
-
-@fast_kernel
-def surviving(
-    P: FloatArray,
-    T: FloatArray,
-    loops: FloatArray,
-    raw: tuple[FloatArray, FloatArray, FloatArray],
-    d: float,
-) -> tuple[FloatArray, FloatArray]:
-    """Give the raw pieces without what is certainly nearer to the part than d.
-
-    Args:
-        P: Pieces of the part.
-        T: Their tree.
-        loops: The first piece of each loop and n.
-        raw: Raw pieces, the number of the line or arc of each, and the piece each comes from.
-        d: How far they were moved.
-
-    Returns:
-        What survives, shape (m, 9), and the numbers of their lines and arcs.
-    """
-    R, curve, owner = raw
-    n = P.shape[0]
-    S, numbers = np.empty((R.shape[0] + 64, COLUMNS)), np.empty(R.shape[0] + 64)
-    reach = d - min(_LOOSE, 1e-3 * d)
-    spans, stack, clear = np.empty((_SPANS, 2)), np.empty((128, 2)), np.full(2, math.inf)
-    # among few pieces it costs less to find where all of them meet
-    probing = R.shape[0] > _FEW
-    m, loop, hint = 0, 0, -1
-    for r in range(R.shape[0]):
-        i = int(owner[r])
-        while i >= loops[loop + 1]:
-            loop += 1
-        first, end = int(loops[loop]), int(loops[loop + 1])
-        size = end - first
-        spans[0, 0], spans[0, 1] = 0.0, 1.0
-        count, step = 1, 1
-        hx, hy, wide = _hull(R, r, spans, count)
-        # corners along the contour, near ones first: where the part is finer than d these take
-        # nearly all of what goes
-        while count > 0 and 2 * step <= size + 1:
-            for way in (-step, step):
-                v = first + (i - first + way + size) % size
-                away2 = (P[v, 0] - hx) ** 2 + (P[v, 1] - hy) ** 2
-                if away2 >= (reach + wide) ** 2:
-                    continue
-                if wide < reach and away2 < (reach - wide) ** 2:
-                    count = 0
-                    break
-                count = _without_disc(R, r, (P[v, 0], P[v, 1], reach), spans, count)
-                if count == 0:
-                    break
-                hx, hy, wide = _hull(R, r, spans, count)
-            step += 1 if step < 4 else step // 2
-        k = 0 if probing else count
-        looks = 0
-        while k < count:
-            # what is left must begin and end where nothing is nearer
-            taken = False
-            for c in range(2):
-                u = spans[k, c]
-                x, y = (R[r, 2], R[r, 3]) if u == 1.0 else at_share(R, r, u)
-                if x == clear[0] and y == clear[1]:
-                    continue  # the end of the piece before, which was looked at
-                far = math.inf
-                if hint >= 0:
-                    far = distance(P, hint, x, y)
-                near = hint
-                if not far < reach:
-                    far, near = nearest(P, n, T, (x, y), (reach, reach), stack)
-                if near >= 0 and far < reach:
-                    hint = near
-                    count = _without_near(R, r, (u, near, far), (P, n, reach), (spans, count))
-                    taken = True
-                    break
-                clear[0], clear[1] = x, y
-            looks += 1
-            if not taken or looks > _LOOKS:
-                k += 1
-                looks = 0
-        if m + count > S.shape[0]:
-            wider, longer = np.empty((2 * S.shape[0], COLUMNS)), np.empty(2 * S.shape[0])
-            for q in range(m):
-                for c in range(COLUMNS):
-                    wider[q, c] = S[q, c]
-                longer[q] = numbers[q]
-            S, numbers = wider, longer
-        for k in range(count):
-            ax, ay = at_share(R, r, spans[k, 0])
-            bx, by = at_share(R, r, spans[k, 1])
-            if spans[k, 0] <= 0.0:
-                ax, ay = R[r, 0], R[r, 1]
-            if spans[k, 1] >= 1.0:
-                bx, by = R[r, 2], R[r, 3]
-            set_piece(S, m, (ax, ay, bx, by), R[r, 4])
-            numbers[m] = curve[r]
-            m += 1
-    return S[:m], numbers[:m]

@@ -12,16 +12,17 @@ import math
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import fast_kernel
+from splinearm.compiled import bare_kernel, fast_kernel
 
-from .offset_check_kernel import loops_of_segments, middle, touching, tree_about
+from .offset_check_kernel import loops_of_segments, middle, tree_about
+from .offset_touch_kernel import touching
 from .offset_walk_kernel import DEEPER, SPANS, Scene, missing
 from .offset_within_kernel import encloses, nearest
 
 GOUGE, FAR, MISSING = 1.0, 2.0, 3.0
 
 
-@fast_kernel
+@bare_kernel
 def _misplaced(
     owners: tuple[FloatArray, FloatArray], scene: Scene, d: float
 ) -> tuple[bool, float, float]:
@@ -36,7 +37,7 @@ def _misplaced(
     outward = outside > 0.0
     for loop in range(owners[0].shape[0] - 1):
         i = int(owners[0][loop])
-        if i < owners[0][loop + 1] and encloses(R, TR, Q[i, 0], Q[i, 1]) != outward:
+        if i < owners[0][loop + 1] and encloses(R, TR, Q[i, 0], Q[i, 1], room) != outward:
             return True, Q[i, 0], Q[i, 1]
     for loop in range(owners[1].shape[0] - 1):
         best, longest = -1, 0.0
@@ -47,7 +48,7 @@ def _misplaced(
         if best < 0:
             continue
         x, y = middle(R, best)
-        if encloses(Q, T, x, y) == outward:
+        if encloses(Q, T, x, y, room) == outward:
             return True, x, y
         off = min(1e-7, 1e-3 * math.sqrt(longest)) / math.sqrt(longest)
         for side in (1.0, -1.0):
@@ -56,7 +57,7 @@ def _misplaced(
             far, _ = nearest(Q, T, (u, v), (math.inf, 0.0), room)
             # where it lies elsewhere, something else is as near
             clear = far > d + 1e-9 if side > 0.0 else far < d - 1e-9
-            if clear and (encloses(R, TR, u, v) != outward) != (side > 0.0):
+            if clear and (encloses(R, TR, u, v, room) != outward) != (side > 0.0):
                 return True, u, v
     return False, 0.0, 0.0
 
@@ -108,7 +109,7 @@ def verdict(
         tree_about(R),
         beyond + max(10.0 * tolerance, min(DEEPER, 1e-3 * d)),
         outward,
-        np.empty((64, 2)),
+        np.empty((128, 2)),
         np.empty((SPANS, 2)),
     )
     lost, x, y = _misplaced((firsts, begins), scene, d)

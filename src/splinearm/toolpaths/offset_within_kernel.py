@@ -2,15 +2,13 @@
 
 import math
 
-import numpy as np
-
 from splinearm.arrays import FloatArray
-from splinearm.compiled import fast_kernel
+from splinearm.compiled import bare_kernel
 
 from .offset_check_kernel import FLAT, RUN, beyond2, foot, gap
 
 
-@fast_kernel
+@bare_kernel
 def nearest(
     Q: FloatArray,
     T: FloatArray,
@@ -46,7 +44,7 @@ def nearest(
     return best, found
 
 
-@fast_kernel
+@bare_kernel
 def _side(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> float:
     """Give to which side of a chord a point lies, the same for the chord run the other way."""
     sign = 1.0
@@ -59,22 +57,21 @@ def _side(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> flo
     return sign * side
 
 
-@fast_kernel
-def encloses(Q: FloatArray, T: FloatArray, x: float, y: float) -> bool:
+@bare_kernel
+def encloses(Q: FloatArray, T: FloatArray, x: float, y: float, room: FloatArray) -> bool:
     """Say whether closed segments go around a point."""
     # by crossings of the ray to larger x: with the chord, and with the arc where the point lies
     # between both, which is where it is in the disc and on the arc's side of the chord
     odd = False
-    stack = np.empty(64, np.int64)
     leaves = T.shape[0] // 2
-    stack[0], top = 1, 1
+    room[0, 0], top = 1.0, 1
     while top > 0:
         top -= 1
-        node = stack[top]
+        node = int(room[top, 0])
         if y < T[node, 1] or y > T[node, 3] or x > T[node, 2]:
             continue
         if node < leaves:
-            stack[top], stack[top + 1] = 2 * node, 2 * node + 1
+            room[top, 0], room[top + 1, 0] = 2.0 * node, 2.0 * node + 1.0
             top += 2
             continue
         first = (node - leaves) * RUN

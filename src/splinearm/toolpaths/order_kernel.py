@@ -3,12 +3,12 @@
 import math
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import fast_kernel
+from splinearm.compiled import bare_kernel
 
 from .arc_kernel import distance
 
 
-@fast_kernel
+@bare_kernel
 def nearest_loop(
     P: FloatArray, loops: FloatArray, wanted: FloatArray, x: float, y: float, found: FloatArray
 ) -> None:
@@ -35,7 +35,7 @@ def nearest_loop(
         found[3], found[4] = foot(P, int(found[2]), x, y)
 
 
-@fast_kernel
+@bare_kernel
 def foot(P: FloatArray, i: int, x: float, y: float) -> tuple[float, float]:
     """Give the place of a piece that is nearest to a point."""
     qx, qy = x - P[i, 0], y - P[i, 1]
@@ -52,7 +52,7 @@ def foot(P: FloatArray, i: int, x: float, y: float) -> tuple[float, float]:
     return x - off * gx / w, y - off * gy / w
 
 
-@fast_kernel
+@bare_kernel
 def beside(
     P: FloatArray, loops: FloatArray, levels: FloatArray, reach: float, near: FloatArray
 ) -> None:

@@ -98,7 +98,7 @@ class Region:
 
 def _check(region: Region) -> None:
     """Raise unless no two segments cross and islands lie where islands can be."""
-    from .contour_kernel import first_crossing
+    from .contour_kernel import first_crossing, first_shared
     from .offset_kernel import pieces_of
 
     vertices, bulges, starts = joined(region.contours)
@@ -108,6 +108,10 @@ def _check(region: Region) -> None:
     if i >= 0:
         first, second = (_name(starts, int(segment[k])) for k in (i, j))
         raise ContourError(f"{first} crosses {second}", (x, y))
+    i, j, x, y = first_shared(P, loops, _TINY * size)
+    if i >= 0:
+        first, second = (_name(starts, int(segment[k])) for k in (i, j))
+        raise ContourError(f"{first} lies along {second}", (x, y))
     for k, island in enumerate(region.islands):
         spot = island.vertices[:1]
         inside = region.outer.contains(spot)[0] or region.outer.distance(spot)[0] < _TINY * size

@@ -222,7 +222,7 @@ def _attempt(
     d, tolerance = wanted
     near, far = (d + share * tolerance for share in shares)
     band = near / source.unit, far / source.unit
-    outline = Outline(source, band[0], _cusps(source, near), closed=closed)
+    outline = Outline(source, band, _cusps(source, 0.5 * (near + far)), closed=closed)
     tracks = outline.tracks(fineness * tolerance / source.unit)
     try:
         return _checked(source, tracks, wanted, band, thin=True)

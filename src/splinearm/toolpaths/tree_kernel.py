@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import fast_kernel
+from splinearm.compiled import bare_kernel, fast_kernel
 
 from .arc_kernel import box_of, distance
 
@@ -43,7 +43,7 @@ def tree_of(P: FloatArray, count: int, slack: float) -> FloatArray:
     return T
 
 
-@fast_kernel
+@bare_kernel
 def _box_distance2(T: FloatArray, node: int, x: float, y: float) -> float:
     """Give the square of how far a point is from a box."""
     dx = max(T[node, 0] - x, 0.0, x - T[node, 2])
@@ -52,7 +52,7 @@ def _box_distance2(T: FloatArray, node: int, x: float, y: float) -> float:
     return far2
 
 
-@fast_kernel
+@bare_kernel
 def nearest(
     P: FloatArray,
     count: int,
@@ -107,7 +107,7 @@ def nearest(
     return best, found
 
 
-@fast_kernel
+@bare_kernel
 def overlapping(
     T: FloatArray, box: tuple[float, float, float, float], after: int, runs: FloatArray
 ) -> int:
