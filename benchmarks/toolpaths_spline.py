@@ -1,12 +1,14 @@
-"""Offsets of splines: control points and time beside the methods of the literature and OpenCASCADE.
+"""Offsets of splines: control points and time beside others: OpenCASCADE, kurbo, the literature.
 
 Run it on one core, for example ``taskset -c 1 python benchmarks/toolpaths_spline.py``. The methods
 of the literature are written here from their descriptions and may stray to both sides of the
 offset; ours lies beyond it only, and a second row of each gives what they take if they must, too.
-Tolerances are shares of the size of a curve. OpenCASCADE is taken if ``OCP`` is installed.
+Tolerances are shares of the size of a curve. OpenCASCADE is taken if ``OCP`` is installed, kurbo
+if ``kurbopy`` is.
 """
 
 import datetime
+import re
 from collections.abc import Callable
 from math import pi, tau
 
@@ -184,12 +186,42 @@ def occt(exact: Exact, tolerance: float, *, smooth: int) -> int | None:
     return int(done.Curve().NbPoles()) if done.HasResult() else None
 
 
+def kurbo(exact: Exact, tolerance: float) -> int | None:
+    """Give the points of kurbo's cubics along the offset, one after the other: 3 n + 1."""
+    if imported("kurbopy") is None:
+        return None
+    from kurbopy import CubicBez, Point, offset_cubic
+
+    curve = exact.curve if exact.curve.degree == 3 else exact.curve.elevated()
+    pieces = [CubicBez(*(Point(x, y) for x, y in rows.tolist())) for rows in curve.bezier()[1]]
+    asked = tolerance
+    while asked > 0.01 * tolerance:
+        made = [one for piece in pieces for one in cubics(offset_cubic(piece, exact.d, asked))]
+        chain = BSpline(
+            np.repeat(np.arange(len(made) + 1.0), [4] + [3] * (len(made) - 1) + [4]),
+            np.concatenate([made[0][:1], *(rows[1:] for rows in made)]),
+            3,
+        )
+        if np.abs(exact.misses(chain)[1]).max() <= tolerance:
+            return len(chain.points)
+        asked *= 0.8
+    return MOST
+
+
+def cubics(path: object) -> list[FloatArray]:
+    """Give the control points of a path of kurbo's that has cubics only."""
+    numbers = re.findall(r"-?\d[\d.e-]*", path.to_svg())  # type: ignore[attr-defined]
+    points = np.array(numbers, dtype=float).reshape(-1, 2)
+    return [points[k : k + 4] for k in range(0, len(points) - 1, 3)]
+
+
 def peers(curve: BSpline, distance: float, tolerance: float) -> list[int | None]:
     """Give how many points others need to stay within a tolerance on both sides."""
     exact = Exact(curve, distance)
     methods = (cobb(exact), tiller(exact), elber(exact), least(exact, 0), least(exact, 6))
     counts: list[int | None] = [refined(exact, tolerance, method) for method in methods]
-    return [*counts, occt(exact, tolerance, smooth=1), occt(exact, tolerance, smooth=2)]
+    counts += [occt(exact, tolerance, smooth=1), occt(exact, tolerance, smooth=2)]
+    return [*counts, kurbo(exact, tolerance)]
 
 
 def open_curves() -> None:
@@ -197,8 +229,9 @@ def open_curves() -> None:
     print("\ncontrol points of the offset of a curve that is not trimmed; ratio: ours to the best")
     print("plain: others stray by the tolerance to both sides, and gouge by it; kept: they too are")
     print("held beyond the distance, to which half a tolerance is added and half of it then kept")
-    names = ("Cobb", "Tiller", "Elber", "least sq", "Hoschek", "OCCT C1", "OCCT C2", "ours", "arcs")
-    print(f"{'curve':20} {'tol':>6}       " + "".join(f"{n:>9}" for n in names) + "   ratio   time")
+    names = ("Cobb", "Tiller", "Elber", "least sq", "Hoschek", "OCCT C1", "OCCT C2", "kurbo")
+    head = "".join(f"{name:>9}" for name in (*names, "ours", "arcs"))
+    print(f"{'curve':20} {'tol':>6}       {head}   ratio   time")
     for name, (curve, share) in CURVES.items():
         u = np.linspace(0.0, 1.0, 4001)
         d = share / float(curvature(curve, u).max())

@@ -1,22 +1,29 @@
 """Profiles along splines as splines: beside them by the radius, and written as such."""
 
+import shutil
+import subprocess
+from dataclasses import replace
 from itertools import pairwise
 from math import pi
 
 import numpy as np
 import pytest
 
-from splinearm.toolpaths.action import ArcFeed, Feed, SplineFeed
+from splinearm.curves.bspline import BSpline
+from splinearm.curves.curvature import curvature
+from splinearm.errors import GougeError
+from splinearm.toolpaths.action import ArcFeed, Feed, Rapid, SplineFeed
+from splinearm.toolpaths.chain import Wire
 from splinearm.toolpaths.checking import verified
 from splinearm.toolpaths.drawing import Drawing, Drawn
 from splinearm.toolpaths.gcode_check import write_checked
 from splinearm.toolpaths.gcode_dialect import DIALECTS
-from splinearm.toolpaths.operation import Side
+from splinearm.toolpaths.operation import Entry, Side
+from splinearm.toolpaths.piece import SplinePiece
 from splinearm.toolpaths.profile_spline import spline_profile
 from splinearm.toolpaths.shape import ellipse_piece
+from splinearm.toolpaths.tab import Tabs
 from splinearm.toolpaths.work import Exactness, Kind, Work, carry_out
-
-pytestmark = pytest.mark.kernel
 
 TOLERANCE = 1e-5
 RADIUS = 2e-3
@@ -33,9 +40,48 @@ def oval():
     return Drawing(file="oval.dxf", unit="mm", drawn=drawn, left_out={})
 
 
-def profile_of(drawing, milling, side, splines=True):
-    work = Work(kind=Kind.PROFILE, milling=milling, side=side)
+@pytest.fixture
+def star():
+    """Give a star of 150 mm, one closed spline, with a peanut as its opening."""
+    drawn = [ring(lambda a: 55.0 + 20.0 * np.cos(5.0 * a), 20)]
+    drawn.append(ring(lambda a: 14.0 + 8.0 * np.cos(2.0 * a), 12))
+    pieces = tuple(Drawn(SplinePiece(curve), "cut") for curve in drawn)
+    return Drawing(file="star.dxf", unit="mm", drawn=pieces, left_out={})
+
+
+def ring(radius, count):
+    a = 2.0 * pi * np.arange(count) / count
+    points = 1e-3 * radius(a)[:, None] * np.stack((np.cos(a), np.sin(a)), axis=1)
+    return BSpline.closed(np.linspace(0.0, 1.0, count + 1), points, 3)
+
+
+def profile_of(drawing, milling, side, splines=True, tabs=None):
+    work = Work(kind=Kind.PROFILE, milling=milling, side=side, tabs=tabs)
     return carry_out(drawing, [work], Exactness(tolerance=TOLERANCE, splines=splines))
+
+
+def check(actions, done):
+    """The ways join, the check against the splines passes, and the program says the same."""
+    place = None
+    for action in actions:
+        if isinstance(action, Rapid | Feed | ArcFeed | SplineFeed):
+            assert place is None or (action.start == place).all()
+            place = action.end
+    report = verified(actions, done, TOLERANCE)
+    assert report is not None
+    assert report.ok, report.text()
+    assert report.gouge <= 1e-9
+    return write_checked(actions, DIALECTS["linuxcnc"])
+
+
+def directions(way):
+    """Give the directions in which a way begins and ends, in the plane."""
+    if isinstance(way, ArcFeed):
+        sides = np.sign(way.turn) * np.array([way.start - way.centre, way.end - way.centre])
+        ways = np.column_stack((-sides[:, 1], sides[:, 0]))
+    else:
+        ways = way.curve.at(np.array(way.curve.domain), 1)[:, :2]
+    return ways / np.hypot(*ways.T)[:, None]
 
 
 def source(drawing, count=4001):
@@ -118,11 +164,132 @@ def test_a_program_has_splines_where_the_controller_has_them(oval, milling):
     text = write_checked(with_splines, DIALECTS["linuxcnc"])
     assert text.count("G5 ") > 4
     assert "G5 " not in write_checked(without, DIALECTS["grbl"])
-    # a way in or out goes along lines and arcs
-    led, _ = profile_of(oval, milling(lead=1e-3), Side.OUTSIDE)
-    assert not any(isinstance(a, SplineFeed) for a in led)
 
 
 def test_on_the_line_is_for_engraving(oval, milling):
     with pytest.raises(ValueError, match="engrave"):
         spline_profile([], milling(), Side.ON, TOLERANCE)
+
+
+def parts_near_each_other(apart):
+    """Give two ovals of 20 x 19 mm whose edges are that far apart, m."""
+    axes = np.array([0.01, 0.0]), np.array([0.0, 0.0095])
+    middles = (np.zeros(2), np.array([0.02 + apart, 0.0]))
+    return [(Wire((ellipse_piece(each, *axes, 0.0, 2.0 * pi),), True),) for each in middles]
+
+
+@pytest.mark.parametrize(
+    ("side", "entry", "tabs"),
+    [
+        (Side.OUTSIDE, Entry.PLUNGE, Tabs(count=3, length=4e-3, height=1e-3)),
+        (Side.OUTSIDE, Entry.RAMP, Tabs(count=2, length=3e-3, height=1.2e-3)),
+        (Side.INSIDE, Entry.RAMP, None),
+        (Side.OUTSIDE, Entry.HELIX, None),
+    ],
+)
+def test_leads_entries_and_tabs_keep_the_splines(star, milling, side, entry, tabs):
+    setting = milling(depth=3e-3, entry=entry, lead=2e-3)
+    actions, done = profile_of(star, setting, side, tabs=tabs)
+    text = check(actions, done)
+    assert not done[0].milled.notes
+    ways = [a for a in actions if isinstance(a, SplineFeed)]
+    # all that is level, but for leads, is along splines
+    level = [a for a in actions if isinstance(a, ArcFeed) and a.start[2] == a.end[2] < 0.0]
+    passes = len(setting.levels) * 2
+    assert len(level) == 2 * passes
+    assert text.count("\nG5 ") >= len(ways)
+    heights = {float(z) for way in ways for z in way.curve.points[:, 2]}
+    tops = set() if tabs is None else {-setting.depth + tabs.height}
+    assert heights == set(setting.levels) | tops
+    assert sum(a.length for a in ways) > 0.9 * passes / 2 * 2e-3 * pi
+
+
+def test_leads_go_over_into_the_spline_without_a_corner(oval, milling):
+    actions, done = profile_of(oval, milling(lead=1e-3), Side.OUTSIDE)
+    check(actions, done)
+    cuts = [a for a in actions if isinstance(a, ArcFeed | SplineFeed)]
+    joints = [
+        (directions(a)[1], directions(b)[0])
+        for a, b in pairwise(cuts)
+        if (a.end == b.start).all() and isinstance(a, ArcFeed) != isinstance(b, ArcFeed)
+    ]
+    assert len(joints) == 4
+    for before, behind in joints:
+        np.testing.assert_allclose(before, behind, atol=1e-6)
+
+
+def test_it_goes_from_level_to_level_without_lifting(star, oval, milling):
+    for drawing in (star, oval):
+        actions, _ = profile_of(drawing, milling(depth=6e-3), Side.OUTSIDE)
+        # up; over, down and up again of each of two ways
+        assert sum(isinstance(action, Rapid) for action in actions) == 7
+
+
+def test_a_lifted_spline_is_the_same_curve_cut_in_two(oval, milling):
+    plain, _ = profile_of(oval, milling(), Side.OUTSIDE)
+    tabs = Tabs(count=2, length=3e-3, height=5e-4)
+    lifted, done = profile_of(oval, milling(), Side.OUTSIDE, tabs=tabs)
+    check(lifted, done)
+    whole = [a.curve for a in plain if isinstance(a, SplineFeed)]
+    parts = [a.curve for a in lifted if isinstance(a, SplineFeed)]
+    assert sum(c.length() for c in parts) == pytest.approx(sum(c.length() for c in whole), 1e-9)
+    high = [c for c in parts if (c.points[:, 2] == -2e-3 + 5e-4).all()]
+    # an opening has no tabs of its own asked for, but it is an outline here as the others are
+    per_way = 2 * 2
+    assert len(high) >= per_way
+    lengths = sum(c.length() for c in high)
+    assert lengths == pytest.approx(per_way * (3e-3 + 2.0 * RADIUS), rel=1e-3)
+    for curve in high:
+        looks = curve.at(np.linspace(*curve.domain, 20))[:, :2]
+        places = np.vstack([c.at(np.linspace(*c.domain, 20001))[:, :2] for c in whole])
+        assert gap(looks, places).max() < 1e-5
+
+
+def test_inner_bends_are_slowed_and_others_are_not(star, milling):
+    actions, _ = profile_of(star, milling(), Side.INSIDE)
+    ways = [a for a in actions if isinstance(a, SplineFeed)]
+    feeds = np.array([way.feed for way in ways])
+    assert feeds.max() == 0.015
+    for way in ways:
+        # climbing inside, what is cut along lies to the right: bends to the left are inner ones
+        u = np.linspace(*way.curve.domain, 200)[1:-1]
+        flat = replace(way.curve, points=way.curve.points[:, :2])
+        bend = max(0.0, float(curvature(flat, u).max()))
+        own = 0.015 / (1.0 + RADIUS * bend)
+        assert way.feed == pytest.approx(own, rel=0.03)
+    assert feeds.min() < 0.014
+
+
+def test_parts_nearer_to_each_other_than_the_cutter_are_refused(milling):
+    with pytest.raises(GougeError, match="smaller"):
+        spline_profile(parts_near_each_other(3.9e-3), milling(), Side.OUTSIDE, TOLERANCE)
+    apart = parts_near_each_other(4.1e-3)
+    assert spline_profile(apart, milling(), Side.OUTSIDE, TOLERANCE).actions
+
+
+def test_what_has_no_room_is_told(milling):
+    wires = [(parts_near_each_other(0.0)[0][0],)]
+    led = spline_profile(wires, milling(lead=1e-2), Side.INSIDE, TOLERANCE)
+    assert any("no room for a lead-in of 10 mm" in note for note in led.notes)
+    (note,) = spline_profile(wires, milling(diameter=0.021), Side.INSIDE, TOLERANCE).notes
+    assert "(10, 0) mm is too narrow" in note
+    tabs = Tabs(count=9, length=9e-3, height=1e-3)
+    with pytest.raises(ValueError, match="have no room"):
+        spline_profile(wires, milling(), Side.OUTSIDE, TOLERANCE, tabs)
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="LinuxCNC's rs274 is not installed")
+def test_linuxcnc_takes_leads_ramps_and_tabs_along_splines(star, milling, tmp_path):
+    setting = milling(depth=3e-3, entry=Entry.RAMP, lead=2e-3)
+    tabs = Tabs(count=2, length=3e-3, height=1e-3)
+    actions, done = profile_of(star, setting, Side.OUTSIDE, tabs=tabs)
+    text = check(actions, done)
+    file, table = tmp_path / "part.ngc", tmp_path / "tool.tbl"
+    file.write_text(text)
+    table.write_text("T1 P1 D4 Z0\n")
+    told = subprocess.run(
+        ["rs274", "-t", table, "-g", file],
+        capture_output=True, text=True, check=False, timeout=60, stdin=subprocess.DEVNULL,
+    )  # fmt: skip
+    assert "PROGRAM_END" in told.stdout, told.stdout[-400:] + told.stderr[-400:]
+    assert told.stdout.count("NURBS_G5_FEED") + told.stdout.count("NURBS_FEED") >= text.count("G5 ")

@@ -21,7 +21,7 @@ from splinearm.toolpaths.spline_source import source_of
 ENDS = [0.0] * 4 + [1.0] * 4
 S_CURVE = BSpline(ENDS, [[0.0, 0.0], [1.0, 1.0], [0.6, -1.0], [1.6, 0.2]], 3)
 WEIGHTED = replace(S_CURVE, weights=np.array([1.0, 2.0, 0.7, 1.0]))
-TOLERANCE = 1e-3
+TOLERANCE = 4e-3
 
 
 @pytest.fixture(scope="module", params=[S_CURVE, WEIGHTED], ids=["polynomial", "rational"])
@@ -131,8 +131,7 @@ source = source_of([[SplinePiece(curve)]], 0.15)
 band = 0.15 / source.unit, 0.16 / source.unit
 pieces = fewest(source.segments, (0.0, 1.0), (0.0, 1.0), band, (-1, -1))
 arcs = curve_arcs(curve, 1e-2)
-exact = [pieces.tolist(), [p.start.tolist() for p in arcs.pieces]]
-print(json.dumps([exact, found.points.tolist()]))
+print(json.dumps([pieces.tolist(), [p.start.tolist() for p in arcs.pieces], found.points.tolist()]))
 """
 
 
@@ -147,8 +146,5 @@ def test_compiled_and_plain_kernels_agree():
             env={**os.environ, "NUMBA_DISABLE_JIT": jit},
         )
         told.append(json.loads(done.stdout))
-    (exact, found), (plain_exact, plain_found) = told
-    for ours, plain in zip(exact, plain_exact, strict=True):
+    for ours, plain in zip(*told, strict=True):
         assert np.array(ours) == pytest.approx(np.array(plain), abs=1e-12)
-    # along the curve points may lie anywhere: the last digit tells where they stop
-    assert np.array(found) == pytest.approx(np.array(plain_found), abs=1e-4)

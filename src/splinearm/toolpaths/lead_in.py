@@ -6,16 +6,15 @@ import numpy as np
 
 from splinearm.arrays import FloatArray
 
-from .clearance import Wall
 from .contour import Contour
-from .operation import Notes, Run, Track
+from .operation import Barrier, Notes, Run, Track
 from .stretch import direction_at
 
 _QUARTER = tan(0.125 * pi)
 _HALVINGS = 4
 
 
-def with_leads(track: Track, wall: Wall | None, radius: float, notes: Notes) -> Run:
+def with_leads(track: Track, wall: Barrier | None, radius: float, notes: Notes) -> Run:
     """Give a track with a quarter circle before and behind it, away from its wall.
 
     Where an arc of that radius would come too near to the part a smaller one is taken, then a
@@ -50,7 +49,7 @@ def with_leads(track: Track, wall: Wall | None, radius: float, notes: Notes) -> 
 
 
 def _lead(
-    spot: FloatArray, along: FloatArray, away: int, wall: Wall | None, radius: float, sign: float
+    spot: FloatArray, along: FloatArray, away: int, wall: Barrier | None, radius: float, sign: float
 ) -> tuple[Contour, float] | None:
     """Give the way to (sign -1) or from (1) a place, and its radius; 0 of a straight one."""
     across = away * np.array([-along[1], along[0]])

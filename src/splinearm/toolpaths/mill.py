@@ -6,12 +6,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from splinearm.arrays import FloatArray
+from splinearm.curves.bspline import BSpline
 
-from .action import Action, ArcFeed, Feed, Rapid
-from .clearance import Wall
+from .action import Action, ArcFeed, Feed, Rapid, SplineFeed
 from .contour import Contour
-from .edge_feed import feeds_along
-from .operation import Milled, Milling, Notes, Run, Track
+from .edge_feed import feeds_along, spline_feeds
+from .operation import Barrier, Milled, Milling, Notes, Run, Track
+from .piece import Piece, SplinePiece
+from .spline_leg import pieces_between
 from .stretch import stretch
 
 _STRAIGHT = 1e-9
@@ -35,7 +37,7 @@ class Mill:
 
     setting: Milling
     """The cutter and how it is used."""
-    wall: Wall | None = None
+    wall: Barrier | None = None
     """What its middle keeps away from; None: nothing."""
     actions: list[Action] = field(default_factory=list)
     """What it has done."""
@@ -155,16 +157,56 @@ class Mill:
                 add(arc)
         self.place = at[-1]
 
+    def follow_level(self, track: Track, z: float) -> None:
+        """Cut along a way at the height at which the cutter is; splines stay splines."""
+        if track.legs:
+            self.follow_pieces([leg.piece for leg in track.legs], track.wall, z)
+        else:
+            self.follow(track, z)
+
     def follow_over(self, track: Track, z: float, over: float) -> None:
         """Cut along a way, lifted to a height where tabs stay."""
         size, at = track.path.length, 0.0
         for begin, end in track.lifted:
-            self.follow(replace(track, path=stretch(track.path, at, begin)), z)
+            self._follow_part(track, (at, begin), z)
             self.drop(over)
-            self.follow(replace(track, path=stretch(track.path, begin, end)), over)
+            self._follow_part(track, (begin, end), over)
             self.drop(z)
             at = end
-        self.follow(replace(track, path=stretch(track.path, at, size)), z)
+        self._follow_part(track, (at, size), z)
+
+    def _follow_part(self, track: Track, part: tuple[float, float], z: float) -> None:
+        if track.legs:
+            self.follow_pieces(pieces_between(track.legs, *part), track.wall, z)
+        else:
+            self.follow(replace(track, path=stretch(track.path, *part)), z)
+
+    def follow_pieces(self, pieces: Sequence[Piece], wall: int, z: float) -> None:
+        """Cut along pieces at the height at which the cutter is; the wall is to one side."""
+        cutter = self.setting.cutter
+        for piece in pieces:
+            if not isinstance(piece, SplinePiece):
+                path = Contour.of_pieces([piece], closed=False)
+                self.follow(Track(path, wall), z)
+                continue
+            for curve, feed in spline_feeds(piece.curve, wall, cutter.feed, cutter.radius):
+                self._spline(curve, z, feed)
+
+    def _spline(self, curve: BSpline, z: float, feed: float) -> None:
+        if self.place is None:
+            raise ValueError("follow: nobody knows where the cutter is; go above first")
+        raised = np.column_stack((curve.points, np.full(len(curve.points), z)))
+        raised[0] = self.place
+        self.actions.append(
+            SplineFeed(
+                start=self.place,
+                end=raised[-1],
+                feed=feed,
+                blend=self.setting.blend,
+                curve=BSpline(curve.knots, raised, curve.degree, curve.weights),
+            )
+        )
+        self.place = raised[-1]
 
     def cut(
         self,
@@ -191,14 +233,19 @@ class Mill:
             plan = [(run, level) for run in several for level in passes]
         else:
             plan = [(run, level) for level in passes for run in several]
-        ways = {id(run): self._way(run.tracks) for run in several}
+        ways = {
+            id(run): self._way(run.tracks)
+            for run in several
+            if not any(track.legs for track in run.tracks)
+        }
         for run, (z, surface) in plan:
             enter(self, run, z, surface)
-            if over is None or z >= over or not any(track.lifted for track in run.tracks):
+            low = over is not None and z < over
+            if id(run) in ways and not (low and any(track.lifted for track in run.tracks)):
                 self._along(ways[id(run)], z)
                 continue
             for track in run.tracks:
-                if track.lifted:
+                if over is not None and low and track.lifted:
                     self.follow_over(track, z, over)
                 else:
-                    self.follow(track, z)
+                    self.follow_level(track, z)

@@ -3,10 +3,14 @@
 from dataclasses import dataclass, field
 from enum import StrEnum
 from math import ceil, isfinite, pi
+from typing import Protocol
+
+from splinearm.arrays import FloatArray
 
 from .action import Action
 from .contour import Contour
 from .cutter import Cutter
+from .spline_leg import Leg
 
 _WHOLE = 1e-9
 
@@ -31,6 +35,14 @@ class Side(StrEnum):
     """Within what is opened: inside of outlines, around their islands."""
     ON = "on"
     """Its middle on the line."""
+
+
+class Barrier(Protocol):
+    """What the middle of a cutter keeps away from."""
+
+    def is_clear(self, start: FloatArray, end: FloatArray, bulge: float = 0.0) -> bool:
+        """Say whether a line or an arc keeps its distance."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,6 +147,8 @@ class Track:
     """Whether it only leads from one way to the next."""
     lifted: tuple[tuple[float, float], ...] = ()
     """From where to where along it tabs stay and the cutter goes over them, m, rising."""
+    legs: tuple[Leg, ...] = ()
+    """What the way is where splines are, of which ``path`` has the lines and arcs beside them."""
 
     @property
     def around(self) -> bool:

@@ -1,20 +1,39 @@
 """Cutting along contours: outside, inside or on them."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
+
+from splinearm.arrays import FloatArray
 
 from .clearance import Wall
 from .contour import Contour
 from .lead_in import with_leads
 from .mill import Mill
 from .offset import Offsets, offset
-from .operation import Milled, Milling, Notes, Run, Side, Track
+from .operation import Barrier, Milled, Milling, Notes, Run, Side, Track
 from .order import shortest_order
 from .region import Region
 from .stretch import begun_at, opened
 from .tab import Tabs, tab_places, with_tabs
+
+
+class Edges(Protocol):
+    """The edges of parts, as what they are made of has them."""
+
+    def wall(self, distance: float) -> Barrier | None:
+        """Give what keeps a cutter's middle that far away, if there is such."""
+        ...
+
+    def ways(self, setting: Milling, notes: Notes) -> tuple[list[Track], list[Track]]:
+        """Give the ways within openings and those around parts, in the direction of cutting."""
+        ...
+
+    def require_clear(self, ways: Sequence[Track], distance: float) -> None:
+        """Refuse ways that come nearer to any part than that."""
+        ...
 
 
 def profile(
@@ -34,35 +53,38 @@ def profile(
     """
     if not parts:
         raise ValueError("parts: want at least one")
-    notes = Notes()
-    distance = setting.reach
-    wall = _wall(parts, distance, side)
-    mill = Mill(setting, wall, notes=notes)
-    rough = _ways(parts, distance, setting, side, notes)
+    return cut_edges(_Contours(tuple(parts), side), setting, tabs)
+
+
+def cut_edges(edges: Edges, setting: Milling, tabs: Tabs | None) -> Milled:
+    """Cut along edges, openings first, each to its full depth; then what was left on the sides."""
+    mill = Mill(setting, edges.wall(setting.reach))
+    rough = _ordered(*edges.ways(setting, mill.notes))
     over = None if tabs is None else setting.levels[-1] + tabs.height
     places = [tab_places(way.path, tabs, setting.cutter.radius) if tabs else None for way in rough]
-    _cut(mill, rough, places, tabs, setting.levels, over)
-    if setting.finish and side is not Side.ON:
+    _cut(mill, edges, rough, (places, tabs), setting.levels, over)
+    if setting.finish and mill.wall is not None:
         mill.setting = replace(setting, stock=0.0, finish=False)
-        fine = _ways(parts, mill.setting.reach, setting, side, Notes())
-        mill.wall = _wall(parts, mill.setting.reach, side)
+        fine = _ordered(*edges.ways(mill.setting, Notes()))
+        mill.wall = edges.wall(mill.setting.reach)
         spots = [spot for spot in places if spot is not None]
         around = [_near(way, spots) for way in fine]
-        _cut(mill, fine, around, tabs, setting.levels[-1:], over)
+        _cut(mill, edges, fine, (around, tabs), setting.levels[-1:], over)
     return mill.milled()
 
 
 def _cut(
     mill: Mill,
+    edges: Edges,
     ways: Sequence[Track],
-    places: "Sequence[np.typing.NDArray[np.float64] | None]",
-    tabs: Tabs | None,
+    held: tuple[Sequence[FloatArray | None], Tabs | None],
     levels: Sequence[float],
     over: float | None,
 ) -> None:
     if mill.wall is not None:
-        mill.wall.require_clear([way.path for way in ways])
+        edges.require_clear(ways, mill.setting.reach)
     runs: list[Run] = []
+    places, tabs = held
     for way, spots in zip(ways, places, strict=True):
         track = way
         if tabs is not None and spots is not None:
@@ -71,71 +93,86 @@ def _cut(
     mill.cut(runs, levels, whole=True, over=over)
 
 
-def _ways(
-    parts: Sequence[Region], distance: float, setting: Milling, side: Side, notes: Notes
-) -> list[Track]:
-    """Give the ways beside parts, openings first, each group by the shortest travel."""
-    inner: list[Contour] = []
-    outer: list[Contour] = []
-    for part in parts:
-        if side is Side.ON:
-            found: tuple[Region, ...] = (part,)
-        else:
-            found = Offsets(part).at(distance if side is Side.OUTSIDE else -distance)
-            _tell_lost(part, found, distance, side, notes)
-        for region in found:
-            outer.append(region.outer)
-            inner += region.islands
-    if side is Side.INSIDE:
-        inner, outer = [], [*inner, *outer]
-    # what a contour goes around lies to its left; outside of parts that is what stays
-    stays = 1 if side is Side.OUTSIDE else -1
+def _ordered(inner: Sequence[Track], outer: Sequence[Track]) -> list[Track]:
+    """Give ways, openings first, each group by the shortest travel."""
     tracks: list[Track] = []
     at = np.zeros(2)
     for group in (inner, outer):
-        turned = [c if stays == setting.wall else c.reversed() for c in group]
-        begun = [begun_at(c, _begin(c)) for c in turned]
-        for i, _ in shortest_order(
-            np.array([path.vertices[0] for path in begun]).reshape(-1, 2), begin=at
-        ):
-            tracks.append(Track(begun[i], 0 if side is Side.ON else setting.wall))
-            at = begun[i].vertices[0]
+        starts = np.array([way.path.vertices[0] for way in group]).reshape(-1, 2)
+        for i, _ in shortest_order(starts, begin=at):
+            tracks.append(group[i])
+            at = group[i].path.vertices[0]
     return tracks
 
 
-def _begin(contour: Contour) -> float:
-    """Give where a contour is best entered: in the middle of its longest line, else arc."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Contours:
+    """The contours of regions."""
+
+    parts: tuple[Region, ...]
+    side: Side
+
+    def wall(self, distance: float) -> Wall | None:
+        if self.side is Side.ON:
+            return None
+        return Wall.of([contour for part in self.parts for contour in part.contours], distance)
+
+    def ways(self, setting: Milling, notes: Notes) -> tuple[list[Track], list[Track]]:
+        inner: list[Contour] = []
+        outer: list[Contour] = []
+        for part in self.parts:
+            found = self._beside(part, setting.reach, notes)
+            outer += [region.outer for region in found]
+            inner += [island for region in found for island in region.islands]
+        if self.side is Side.INSIDE:
+            inner, outer = [], [*inner, *outer]
+        wall = 0 if self.side is Side.ON else setting.wall
+        turn = turned(setting, self.side)
+        first, last = (
+            [Track(_begun(c.reversed() if turn else c), wall) for c in group]
+            for group in (inner, outer)
+        )
+        return first, last
+
+    def require_clear(self, ways: Sequence[Track], distance: float) -> None:
+        wall = self.wall(distance)
+        if wall is not None:
+            wall.require_clear([way.path for way in ways])
+
+    def _beside(self, part: Region, reach: float, notes: Notes) -> tuple[Region, ...]:
+        if self.side is Side.ON:
+            return (part,)
+        found = Offsets(part).at(reach if self.side is Side.OUTSIDE else -reach)
+        kept = sum(len(region.contours) for region in found)
+        if kept < len(part.contours) or not found:
+            narrow = part.islands if self.side is Side.OUTSIDE else (part.outer,) * (not found)
+            for contour in narrow:
+                if self.side is Side.INSIDE or not offset(contour, -reach):
+                    tell_narrow(contour.vertices.mean(axis=0), notes)
+        return found
+
+
+def turned(setting: Milling, side: Side) -> bool:
+    """Say whether ways run against the direction in which what they enclose lies to their left."""
+    # outside of parts that is what stays, inside what is cut away
+    return (1 if side is Side.OUTSIDE else -1) != setting.wall
+
+
+def tell_narrow(place: FloatArray, notes: Notes) -> None:
+    """Tell that an opening has no way for the cutter."""
+    x, y = (place * 1e3).tolist()
+    notes.add(f"the opening at ({x:.6g}, {y:.6g}) mm is too narrow for the cutter: left out")
+
+
+def _begun(contour: Contour) -> Contour:
+    """Give a contour begun where it is best entered: amid its longest line, else arc."""
     lengths = contour.lengths
     lines = np.where(contour.bulges == 0.0, lengths, 0.0)
     i = int(lines.argmax()) if lines.any() else int(lengths.argmax())
-    return float(lengths[:i].sum() + 0.5 * lengths[i])
+    return begun_at(contour, float(lengths[:i].sum() + 0.5 * lengths[i]))
 
 
-def _wall(parts: Sequence[Region], distance: float, side: Side) -> Wall | None:
-    if side is Side.ON:
-        return None
-    return Wall.of([contour for part in parts for contour in part.contours], distance)
-
-
-def _tell_lost(
-    part: Region, found: Sequence[Region], distance: float, side: Side, notes: Notes
-) -> None:
-    """Tell which contours have no way beside them, as the cutter does not fit in."""
-    kept = sum(len(region.contours) for region in found)
-    if kept >= len(part.contours) and found:
-        return
-    narrow = part.islands if side is Side.OUTSIDE else (() if found else (part.outer,))
-    for contour in narrow:
-        if side is Side.INSIDE or not offset(contour, -distance):
-            x, y = (contour.vertices.mean(axis=0) * 1e3).tolist()
-            notes.add(
-                f"the opening at ({x:.6g}, {y:.6g}) mm is too narrow for the cutter: left out"
-            )
-
-
-def _near(
-    way: Track, groups: "Sequence[np.typing.NDArray[np.float64]]"
-) -> "np.typing.NDArray[np.float64] | None":
+def _near(way: Track, groups: Sequence[FloatArray]) -> FloatArray | None:
     """Give the tab places that belong to a way: those of the group that is nearest to it."""
     if not groups:
         return None

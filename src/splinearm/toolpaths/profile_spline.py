@@ -1,64 +1,97 @@
 """Profiles along splines as splines: proven not to gouge, in a tenth of the lines of a program."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass
+
+import numpy as np
 
 from .chain import Wire
-from .engrave import engrave
-from .operation import Entry, Milled, Milling, Side
-from .piece import SplinePiece
-from .spline_offset import offset_outline
+from .operation import Milled, Milling, Notes, Side, Track
+from .piece import Piece, SplinePiece
+from .profile_pass import cut_edges, tell_narrow, turned
+from .spline_leg import begun_well, legs_of, path_of
+from .spline_offset import offset_outline, wire_area
+from .spline_wall import SplineWall
+from .tab import Tabs
+
+_BESIDE = 0.01
+"""Share of the tolerance within which arcs are beside splines: ramps go along them."""
 
 
-def keeps_splines(wires: Iterable[Sequence[Wire]], setting: Milling) -> bool:
-    """Say whether a profile of wires has splines and goes along them plainly.
-
-    Ramps, leads and tabs go along lines and arcs.
-    """
-    plain = setting.entry is Entry.PLUNGE and not setting.lead
+def keeps_splines(wires: Iterable[Sequence[Wire]]) -> bool:
+    """Say whether wires have splines for a profile to go along."""
     pieces = (piece for group in wires for wire in group for piece in wire.pieces)
-    return plain and any(isinstance(piece, SplinePiece) for piece in pieces)
+    return any(isinstance(piece, SplinePiece) for piece in pieces)
 
 
 def spline_profile(
-    parts: Sequence[Sequence[Wire]], setting: Milling, side: Side, tolerance: float
+    parts: Sequence[Sequence[Wire]],
+    setting: Milling,
+    side: Side,
+    tolerance: float,
+    tabs: Tabs | None = None,
 ) -> Milled:
     """Go along outlines and openings on one side of them; splines stay splines.
 
+    Leads are arcs and ramps go along arcs, as controllers keep splines level. Where tabs stay
+    splines are cut in two, exactly.
+
     Args:
         parts: Of each part the closed wires: its outline, then its openings.
-        setting: The cutter and how it is used; it comes straight down.
+        setting: The cutter and how it is used.
         side: Outside of the parts or inside of them.
         tolerance: How much farther from the wires than its radius the cutter may be, m.
+        tabs: Where outer contours stay joined to the stock; None: nowhere.
 
     Raises:
-        GougeError: If the only way found would cut into a part.
+        GougeError: If a way would come nearer to any of the parts than the cutter's radius.
         OffsetError: If a wire crosses itself or no way passes its check.
-        ValueError: If ways are to go on the wires themselves.
+        ValueError: If ways are to go on the wires themselves, or tabs have no room.
     """
     if side is Side.ON:
         raise ValueError("side: want outside or inside; along the line engrave")
-    passes = [engrave(_beside(parts, setting, side, tolerance), setting)]
-    if setting.finish:
-        last = replace(setting, stock=0.0, finish=False, step_down=setting.depth)
-        passes.append(engrave(_beside(parts, last, side, tolerance), last))
-    actions = tuple(action for milled in passes for action in milled.actions)
-    return Milled(actions, tuple(note for milled in passes for note in milled.notes))
+    return cut_edges(_Wires(tuple(tuple(part) for part in parts), side, tolerance), setting, tabs)
 
 
-def _beside(
-    parts: Sequence[Sequence[Wire]], setting: Milling, side: Side, tolerance: float
-) -> list[Wire]:
-    """Give the ways of the cutter's middle, in the direction in which it shall cut."""
-    reach = setting.cutter.radius + setting.stock
-    distance = reach if side is Side.OUTSIDE else -reach
-    ways: list[Wire] = []
-    for outline, *openings in parts:
-        ways += offset_outline(outline, distance, tolerance, islands=openings)
-    # what ways enclose lies to their left: the part outside of it, what is beside it inside
-    wall = 1 if side is Side.OUTSIDE else -1
-    return ways if wall == setting.wall else [_turned(way) for way in ways]
+@dataclass(frozen=True, slots=True, eq=False)
+class _Wires:
+    """The wires of parts."""
+
+    parts: tuple[tuple[Wire, ...], ...]
+    side: Side
+    tolerance: float
+
+    def wall(self, distance: float) -> SplineWall:
+        return SplineWall.of([wire for part in self.parts for wire in part], distance)
+
+    def ways(self, setting: Milling, notes: Notes) -> tuple[list[Track], list[Track]]:
+        groups: tuple[list[Track], list[Track]] = [], []
+        turn = turned(setting, self.side)
+        for part in self.parts:
+            for wire in self._beside(part, setting.reach, notes):
+                around = self.side is Side.INSIDE or wire_area(wire.pieces) > 0.0
+                pieces = _reversed(wire.pieces) if turn else list(wire.pieces)
+                legs = legs_of(begun_well(pieces), _BESIDE * self.tolerance)
+                groups[around].append(Track(path_of(legs), setting.wall, legs=legs))
+        return groups
+
+    def require_clear(self, ways: Sequence[Track], distance: float) -> None:
+        # those beside one part were proven when they were made, but not the arcs beside them
+        beside = [piece for way in ways for piece in way.path.pieces()]
+        other = [leg.piece for way in ways for leg in way.legs] if len(self.parts) > 1 else []
+        self.wall(distance).require_clear(beside + other)
+
+    def _beside(self, part: Sequence[Wire], reach: float, notes: Notes) -> tuple[Wire, ...]:
+        outline, *openings = part
+        distance = reach if self.side is Side.OUTSIDE else -reach
+        found = offset_outline(outline, distance, self.tolerance, islands=openings)
+        if len(found) < len(part) or not found:
+            narrow = openings if self.side is Side.OUTSIDE else [outline] * (not found)
+            for wire in narrow:
+                if self.side is Side.INSIDE or not offset_outline(wire, -reach, self.tolerance):
+                    tell_narrow(np.mean([piece.start for piece in wire.pieces], axis=0), notes)
+        return found
 
 
-def _turned(wire: Wire) -> Wire:
-    return Wire(tuple(piece.reversed() for piece in reversed(wire.pieces)), wire.closed)
+def _reversed(pieces: Sequence[Piece]) -> list[Piece]:
+    return [piece.reversed() for piece in reversed(pieces)]

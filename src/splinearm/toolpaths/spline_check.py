@@ -27,24 +27,43 @@ def check_band(source: Source, pieces: Sequence[Piece], distance: float, toleran
         GougeError: If it is nearer than the distance.
         OffsetError: If it is not proven not to be, or not to be farther than the tolerance allows.
     """
-    from .spline_check_kernel import first_farther, first_nearer
+    from .spline_check_kernel import first_farther
 
-    near, far = distance / source.unit, (distance + tolerance) / source.unit
-    S = source.segments
+    check_clear(source, pieces, distance, "this is a fault of the offset: report it")
+    far = (distance + tolerance) / source.unit
     for R in pieces_as_segments(pieces, source.origin, source.unit):
-        degrees = _degrees(R, S)
-        i, _, t, _, _ = first_nearer(R, S, near, degrees)
-        if i >= 0:
-            places = [_place(source, R, i, t) for t in (t, *np.linspace(-1.0, 1.0, 65).tolist())]
-            away = [_distance(source, x, y) for x, y in places]
-            nearest = int(np.argmin(away))
-            depth = distance - away[nearest]
-            if depth > 0.0:
-                raise GougeError(places[nearest], depth, "this is a fault of the offset: report it")
-            raise OffsetError(distance, "it cannot be proven not to gouge", places[0])
-        i, t = first_farther(R, S, far, degrees)
+        i, t = first_farther(R, source.segments, far, _degrees(R, source.segments))
         if i >= 0:
             raise OffsetError(distance, "it is too far from the curve", _place(source, R, i, t))
+
+
+def check_clear(source: Source, pieces: Sequence[Piece], distance: float, remedy: str = "") -> None:
+    """Raise unless ways are proven to keep a distance from all of a source.
+
+    Args:
+        source: From what they keep away.
+        pieces: The ways.
+        distance: How near they may be to any of the source, m.
+        remedy: What would help if they are nearer.
+
+    Raises:
+        GougeError: If one is nearer.
+        OffsetError: If it is not proven that none is.
+    """
+    from .spline_check_kernel import first_nearer
+
+    S = source.segments
+    for R in pieces_as_segments(pieces, source.origin, source.unit):
+        i, _, t, _, _ = first_nearer(R, S, distance / source.unit, _degrees(R, S))
+        if i < 0:
+            continue
+        places = [_place(source, R, i, t) for t in (t, *np.linspace(-1.0, 1.0, 65).tolist())]
+        away = [_distance(source, x, y) for x, y in places]
+        nearest = int(np.argmin(away))
+        depth = distance - away[nearest]
+        if depth > 0.0:
+            raise GougeError(places[nearest], depth, remedy)
+        raise OffsetError(distance, "it cannot be proven not to gouge", places[0])
 
 
 def check_complete(

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import fast_kernel
+from splinearm.compiled import kernel
 
 from .spline_jet_kernel import foot, jet_at, moved
 
@@ -29,7 +29,7 @@ _WELL = 0.98
 """A share of the band's half that is good enough not to fit on."""
 
 
-@fast_kernel
+@kernel
 def piece_points(
     S: FloatArray, chain: tuple[float, float], piece: FloatArray, band: tuple[float, float]
 ) -> tuple[float, float, float, float, float, float, float, float]:
@@ -41,7 +41,7 @@ def piece_points(
     return ax, ay, ax + g * ux, ay + g * uy, bx - h * vx, by - h * vy, bx, by
 
 
-@fast_kernel
+@kernel
 def fit(
     S: FloatArray,
     chain: tuple[float, float],
@@ -115,7 +115,7 @@ def fit(
     return best
 
 
-@fast_kernel
+@kernel
 def _least_step(work: FloatArray) -> tuple[float, float, float]:
     """Give the step of both handles after which the largest deviation is least, and that."""
     # Lawson 1961: least squares, weighted anew by what is left (Rice and Usow, Math. Comp. 22)
@@ -150,7 +150,7 @@ def _least_step(work: FloatArray) -> tuple[float, float, float]:
     return bg, bh, best
 
 
-@fast_kernel
+@kernel
 def fits(
     S: FloatArray,
     chain: tuple[float, float],
@@ -180,7 +180,7 @@ def fits(
     return worst / half
 
 
-@fast_kernel
+@kernel
 def _longest(
     S: FloatArray,
     chain: tuple[float, float],
@@ -218,13 +218,13 @@ def _longest(
     return bool(low > a)
 
 
-@fast_kernel
+@kernel
 def _share(edge: int) -> float:
     """Give where in the band an edge is: 0 near, 1 far, 2 in the middle."""
     return 0.5 if edge == 2 else float(edge)
 
 
-@fast_kernel
+@kernel
 def fewest(
     S: FloatArray,
     chain: tuple[float, float],
@@ -239,7 +239,7 @@ def fewest(
         chain: Where the chain begins and ends.
         run: From where to where.
         band: Distances of the near and the far edge.
-        edges: At which edge it begins and ends: 0 near, 1 far, -1 either.
+        edges: At which edge it begins and ends: 0 near, 1 far, 2 in the middle, -1 any of them.
     """
     table, before = np.empty((64, EDGES, PIECE)), np.zeros((64, EDGES), np.int64)
     reach, work = np.empty(EDGES), np.empty((NODES, 7))
@@ -282,7 +282,7 @@ def fewest(
     return found
 
 
-@fast_kernel
+@kernel
 def _farther(
     S: FloatArray,
     chain: tuple[float, float],

@@ -8,14 +8,14 @@ it is the number U of its segment and, behind the point, the share of it that is
 import math
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import fast_kernel
+from splinearm.compiled import kernel
 
 Jet = tuple[float, float, float, float, float, float]
 
 _STEPS = 24
 
 
-@fast_kernel
+@kernel
 def jet(S: FloatArray, k: int, s: float) -> Jet:
     """Give a point of a segment, and the first and second derivative by s."""
     x, y, w, dx, dy, dw, ex, ey, ew = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -33,7 +33,7 @@ def jet(S: FloatArray, k: int, s: float) -> Jet:
     return x, y, dx, dy, ex, ey
 
 
-@fast_kernel
+@kernel
 def jet_at(S: FloatArray, lo: float, hi: float, U: float) -> Jet:
     """Give point and derivatives by s at a place of the chain from lo to hi."""
     k = int(U)
@@ -44,7 +44,7 @@ def jet_at(S: FloatArray, lo: float, hi: float, U: float) -> Jet:
     return jet(S, k, 2.0 * (U - k) - 1.0)
 
 
-@fast_kernel
+@kernel
 def moved(S: FloatArray, lo: float, hi: float, U: float, d: float) -> Jet:
     """Give the point beside a place, d to its left; the unit tangent; the curvature; the speed."""
     x, y, dx, dy, ex, ey = jet_at(S, lo, hi, U)
@@ -53,7 +53,7 @@ def moved(S: FloatArray, lo: float, hi: float, U: float, d: float) -> Jet:
     return x - d * ty, y + d * tx, tx, ty, (dx * ey - dy * ex) / (v * v * v), v
 
 
-@fast_kernel
+@kernel
 def foot(S: FloatArray, lo: float, hi: float, U: float, x: float, y: float) -> float:
     """Give the place of a chain nearest to a point, sought from a place by Newton's method."""
     for _ in range(_STEPS):
@@ -71,7 +71,7 @@ def foot(S: FloatArray, lo: float, hi: float, U: float, x: float, y: float) -> f
     return U
 
 
-@fast_kernel
+@kernel
 def nearest_place(
     S: FloatArray, lo: float, hi: float, x: float, y: float, looks: int
 ) -> tuple[float, float]:
@@ -90,7 +90,7 @@ def nearest_place(
     return U, math.sqrt(away)
 
 
-@fast_kernel
+@kernel
 def meet(
     S: FloatArray, first: FloatArray, second: FloatArray, d: float
 ) -> tuple[float, float, float, float, float]:
@@ -124,7 +124,7 @@ def meet(
     return a, b, 0.5 * (ax + bx), 0.5 * (ay + by), math.sqrt((ax - bx) ** 2 + (ay - by) ** 2)
 
 
-@fast_kernel
+@kernel
 def _beside(
     S: FloatArray, way: FloatArray, a: float, d: float
 ) -> tuple[float, float, float, float]:

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import fast_kernel
+from splinearm.compiled import kernel
 
 from .spline_jet_kernel import foot, jet_at
 
@@ -25,7 +25,7 @@ _OPEN, _CORNER = 1.0, 2.0
 """Ends that may be moved across their direction, and such that may change it."""
 
 
-@fast_kernel
+@kernel
 def shares_of(k: FloatArray, i: int, t: float) -> tuple[float, float, float, float]:
     """Give the shares of four control points, i - 3 to i, in a point of the span behind knot i."""
     # Piegl and Tiller, The NURBS Book, 2nd ed. 1997, A2.2
@@ -37,7 +37,7 @@ def shares_of(k: FloatArray, i: int, t: float) -> tuple[float, float, float, flo
     return r1 * p, l3 * p + r2 * q, l2 * q + r3 * s, l1 * s
 
 
-@fast_kernel
+@kernel
 def point(X: FloatArray, k: FloatArray, i: int, t: float) -> tuple[float, float]:
     """Give a point of the span behind knot i."""
     a, b, c, d = shares_of(k, i, t)
@@ -47,7 +47,7 @@ def point(X: FloatArray, k: FloatArray, i: int, t: float) -> tuple[float, float]
     )
 
 
-@fast_kernel
+@kernel
 def looks_at(k: FloatArray, F: FloatArray, low: int, high: int, each: int) -> FloatArray:
     """Give places of the spans behind knots low to high: knot, share of the span, about the foot.
 
@@ -69,7 +69,7 @@ def looks_at(k: FloatArray, F: FloatArray, low: int, high: int, each: int) -> Fl
     return P
 
 
-@fast_kernel
+@kernel
 def stray(
     S: FloatArray,
     chain: tuple[float, float],
@@ -96,14 +96,22 @@ def stray(
     return worst
 
 
-@fast_kernel
+@kernel
 def solved(A: FloatArray, b: FloatArray) -> bool:
-    """Solve A x = b for a positive definite A, both of which are overwritten, b by x."""
+    """Solve A x = b for a positive definite A, both of which are overwritten, b by x.
+
+    Of each row only what is behind its leading zeros is looked at.
+    """
     n = len(b)
+    first = np.empty(n, np.int64)
     for i in range(n):
-        for j in range(i + 1):
+        begin = 0
+        while begin < i and A[i, begin] == 0.0:
+            begin += 1
+        first[i] = begin
+        for j in range(begin, i + 1):
             total = A[i, j]
-            for q in range(j):
+            for q in range(max(begin, first[j]), j):
                 total -= A[i, q] * A[j, q]
             if i == j:
                 if not total > 0.0:
@@ -112,17 +120,17 @@ def solved(A: FloatArray, b: FloatArray) -> bool:
             else:
                 A[i, j] = total / A[j, j]
     for i in range(n):
-        for q in range(i):
+        for q in range(first[i], i):
             b[i] -= A[i, q] * b[q]
         b[i] /= A[i, i]
     for i in range(n - 1, -1, -1):
-        for q in range(i + 1, n):
-            b[i] -= A[q, i] * b[q]
         b[i] /= A[i, i]
+        for q in range(first[i], i):
+            b[q] -= A[i, q] * b[i]
     return True
 
 
-@fast_kernel
+@kernel
 def _ways(X: FloatArray, low: int, high: int, ends: FloatArray) -> FloatArray:
     """Give how control points may move, rows: from which to which, and the direction."""
     m = len(X)
@@ -147,7 +155,7 @@ def _ways(X: FloatArray, low: int, high: int, ends: FloatArray) -> FloatArray:
     return found[:n]
 
 
-@fast_kernel
+@kernel
 def _movable(k: FloatArray, m: int, low: int, high: int) -> IntArray:
     """Give first and last of the equal knots that change nothing outside of some control points."""
     found, n = np.empty((high - low + 4, 2), np.int64), 0
@@ -164,7 +172,7 @@ def _movable(k: FloatArray, m: int, low: int, high: int) -> IntArray:
     return found[:n]
 
 
-@fast_kernel
+@kernel
 def _slopes(
     X: FloatArray, k: FloatArray, P: FloatArray, ways: FloatArray, groups: IntArray, J: FloatArray
 ) -> None:
@@ -194,17 +202,39 @@ def _slopes(
             moved_[j] = k[j]
 
 
-@fast_kernel
+@kernel
+def _in_order(J: FloatArray) -> IntArray:
+    """Give columns by the first places that they move, so that few rows of J^T J are long."""
+    n, v = J.shape
+    order, first = np.empty(v, np.int64), np.empty(v, np.int64)
+    for c in range(v):
+        i, j = 0, c
+        while i < n and J[i, c] == 0.0:
+            i += 1
+        while j > 0 and first[j - 1] > i:
+            first[j], order[j] = first[j - 1], order[j - 1]
+            j -= 1
+        first[j], order[j] = i, c
+    return order
+
+
+@kernel
 def _least_step(
     P: FloatArray, J: FloatArray, limits: FloatArray, damping: float, step: FloatArray
 ) -> float:
     """Write the step after which the largest deviation is least, about; give that."""
     n, v = J.shape
     A, b, best = np.empty((v, v)), np.empty(v), math.inf
-    size = np.zeros(v)
-    for c in range(v):
-        for i in range(n):
-            size[c] += J[i, c] * J[i, c]
+    order, size = _in_order(J), np.zeros(v)
+    # a place is moved by few of them
+    by, own, count = np.empty((n, v), np.int64), np.empty((n, v)), np.zeros(n, np.int64)
+    for i in range(n):
+        for r in range(v):
+            slope = J[i, order[r]]
+            if slope != 0.0:
+                by[i, count[i]], own[i, count[i]] = r, slope
+                size[r] += slope * slope
+                count[i] += 1
     for _ in range(_WEIGHTINGS):
         A[:] = 0.0
         b[:] = 0.0
@@ -213,32 +243,33 @@ def _least_step(
             total += P[i, 6]
         for i in range(n):
             w = P[i, 6] / total
-            for c in range(v):
-                if J[i, c] != 0.0:
-                    g = w * J[i, c]
-                    b[c] -= g * P[i, 3]
-                    for q in range(c + 1):
-                        A[c, q] += g * J[i, q]
-        for c in range(v):
-            A[c, c] += 1e-9 * size[c] / n + damping / (limits[c] * limits[c])
+            for k in range(count[i]):
+                r, g = by[i, k], w * own[i, k]
+                b[r] -= g * P[i, 3]
+                for h in range(k + 1):
+                    A[r, by[i, h]] += g * own[i, h]
+        for r in range(v):
+            limit = limits[order[r]]
+            A[r, r] += 1e-9 * size[r] / n + damping / (limit * limit)
         if not solved(A, b):
             break
         worst = 0.0
         for i in range(n):
             left = P[i, 3]
-            for c in range(v):
-                left += J[i, c] * b[c]
+            for k in range(count[i]):
+                left += own[i, k] * b[by[i, k]]
             worst = max(worst, abs(left))
             P[i, 6] *= abs(left) + 1e-6
         for i in range(n):
             P[i, 6] = P[i, 6] / worst + 1e-9
         if worst < best:
             best = worst
-            step[:] = b
+            for r in range(v):
+                step[order[r]] = b[r]
     return best
 
 
-@fast_kernel
+@kernel
 def _limits(X: FloatArray, k: FloatArray, ways: FloatArray, groups: IntArray) -> FloatArray:
     """Give how far each point and knot may go at once."""
     m, w = len(X), len(ways)
@@ -252,7 +283,7 @@ def _limits(X: FloatArray, k: FloatArray, ways: FloatArray, groups: IntArray) ->
     return found
 
 
-@fast_kernel
+@kernel
 def _stepped(
     spline: tuple[FloatArray, FloatArray],
     ways: FloatArray,
@@ -278,7 +309,7 @@ def _stepped(
             l[j] += shrink * step[w + c]
 
 
-@fast_kernel
+@kernel
 def pressed(
     S: FloatArray,
     chain: tuple[float, float],

@@ -1,7 +1,8 @@
 """What of each piece is left in an offset, and where these parts join, to rounding.
 
 Which parts those are is seen with arcs in place of splines; where they begin and end is then
-polished on the true offsets.
+polished on the true offsets. Splines meet in the middle of the band in which they will be fitted,
+where they stray to both sides alike; lines, arcs and corners meet others at its near edge.
 """
 
 from collections.abc import Sequence
@@ -13,6 +14,7 @@ import numpy as np
 
 from splinearm.arrays import FloatArray
 
+from .piece import SplinePiece
 from .spline_rough import Rough, RoughOffset, UnclearError
 from .spline_source import Source
 
@@ -52,20 +54,31 @@ class Track:
     """Whether the last is followed by the first."""
 
 
+def is_spline(source: Source, run: Run | Rough) -> bool:
+    """Say whether a run is beside a spline."""
+    return not run.corner and isinstance(source.chains[run.chain].piece, SplinePiece)
+
+
 class Outline:
     """Wires of which one side is offset.
 
     Args:
         source: The wires.
-        distance: How far to the left, scaled.
-        cusps: Places of each chain where its offset turns back, by chain.
+        band: How far to the left the offset begins and ends that splines may keep to, scaled.
+        cusps: Places of each chain where its offset by the middle of that turns back, by chain.
         closed: Whether they are closed; if not, there is only one.
     """
 
     def __init__(
-        self, source: Source, distance: float, cusps: Sequence[FloatArray], *, closed: bool
+        self,
+        source: Source,
+        band: tuple[float, float],
+        cusps: Sequence[FloatArray],
+        *,
+        closed: bool,
     ) -> None:
-        self.source, self.distance, self.cusps, self.closed = source, distance, cusps, closed
+        self.source, self.cusps, self.closed = source, cusps, closed
+        self.near, self.distance = band[0], 0.5 * (band[0] + band[1])
 
     def tracks(self, tolerance: float) -> list[Track]:
         """Give the offset as tracks.
@@ -91,9 +104,9 @@ class Outline:
             first = places.get((k - 1) % count)
             last = places.get(k)
             if first is None:
-                first = self.source.beside(run.chain, run.start, self.distance)[:2]
+                first = self.source.beside(run.chain, run.start, self._reach(run))[:2]
             if last is None:
-                last = self.source.beside(run.chain, run.end, self.distance)[:2]
+                last = self.source.beside(run.chain, run.end, self._reach(run))[:2]
             if not (run.corner or run.start < run.end):
                 raise UnclearError("a part of it runs backwards", first)
             runs.append(Run(run.chain, run.corner, run.start, run.end, first, last))
@@ -176,17 +189,18 @@ class Outline:
         """Give where one run goes over into the next, and set both ends."""
         from .spline_jet_kernel import meet
 
+        distance = self._reach(a, b)
         if offset.touch(a, b) and (a.corner or b.corner or self._smooth(a, b)):
             own = np.empty(4)
             if not a.corner:
                 a.end = self.source.limits(a.chain)[1]
-                own = self.source.beside(a.chain, a.end, self.distance)
+                own = self.source.beside(a.chain, a.end, distance)
                 if b.corner:
                     b.start = atan2(own[2], -own[3])
                     b.end = b.start - (b.start - b.end) % (2.0 * pi)
             if not b.corner:
                 b.start = self.source.limits(b.chain)[0]
-                own = self.source.beside(b.chain, b.start, self.distance)
+                own = self.source.beside(b.chain, b.start, distance)
                 if a.corner:
                     angle = atan2(own[2], -own[3])
                     a.end = a.start - (a.start - angle) % (2.0 * pi)
@@ -196,11 +210,16 @@ class Outline:
         for run, at in ((a, a.end), (b, b.start)):
             head = self.source.corner(run.chain) if run.corner else self.source.limits(run.chain)
             ways.append(np.array([*head, at, float(run.corner)]))
-        u, v, x, y, gap = meet(self.source.segments, ways[0], ways[1], self.distance)
+        u, v, x, y, gap = meet(self.source.segments, ways[0], ways[1], distance)
         if gap > _GAP:
             raise UnclearError("two parts of it do not meet", np.array([x, y]))
         a.end, b.start = u, v
         return np.array([x, y])
+
+    def _reach(self, *runs: Rough) -> float:
+        """Give how far to the left runs begin, end or meet."""
+        splines = all(is_spline(self.source, run) for run in runs)
+        return self.distance if splines else self.near
 
     def _smooth(self, a: Rough, b: Rough) -> bool:
         """Say whether two chains, the second behind the first, meet without a corner."""

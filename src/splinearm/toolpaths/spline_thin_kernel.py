@@ -3,6 +3,10 @@
 Knots are taken out one by one. The control points and knots about each are then moved until the
 largest deviation there is least, and it stays out if that keeps within the band: a joint of which
 only the direction was common becomes one with a common bend.
+
+Along a curve points may lie nearly anywhere, and the last digit tells where they stop. So this and
+what it stands on is compiled with the arithmetic that stands in the source, and gives the same
+everywhere.
 """
 
 import math
@@ -10,13 +14,15 @@ import math
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import fast_kernel
+from splinearm.compiled import kernel
 
 from .spline_jet_kernel import foot
 from .spline_press_kernel import looks_at, point, pressed, shares_of, solved, stray
 
-_REACH = 6
-"""So many control points on each side of a knot are moved."""
+_REACHES = (6, 10, 16)
+"""So many control points on each side of a knot are moved, at first and where that nearly did."""
+_NEARLY = 1.3
+"""Which is so if it strayed by no more than so many halves of the band."""
 _LOOKS = 9
 """Places of a span that are looked at while points are moved."""
 _MORE_LOOKS = 18
@@ -31,7 +37,7 @@ _SWEEPS = 2
 """So many times all knots are tried, if the first time some were taken out."""
 
 
-@fast_kernel
+@kernel
 def _without(
     X: FloatArray, k: FloatArray, F: FloatArray, r: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -77,7 +83,7 @@ def _without(
     return Y, l, G
 
 
-@fast_kernel
+@kernel
 def _set_feet(
     S: FloatArray, chain: tuple[float, float], spline: tuple[FloatArray, FloatArray, FloatArray]
 ) -> None:
@@ -93,7 +99,7 @@ def _set_feet(
                 j -= 1
 
 
-@fast_kernel
+@kernel
 def _cost(
     S: FloatArray,
     chain: tuple[float, float],
@@ -107,7 +113,7 @@ def _cost(
     return stray(S, chain, X, k, band, P)
 
 
-@fast_kernel
+@kernel
 def _tried(
     S: FloatArray,
     chain: tuple[float, float],
@@ -115,22 +121,25 @@ def _tried(
     r: int,
     band: tuple[float, float],
     ends: FloatArray,
-) -> tuple[bool, tuple[FloatArray, FloatArray, FloatArray]]:
-    """Say whether a spline does without knot r, and give it."""
+    reach: int,
+) -> tuple[float, tuple[FloatArray, FloatArray, FloatArray]]:
+    """Give a spline without knot r, and how far it strays, in halves of the band."""
     found = _without(spline[0], spline[1], spline[2], r)
-    m = len(found[0])
-    low, high = max(0, r - 2 - _REACH), min(m - 1, r - 2 + _REACH)
+    m, worst = len(found[0]), 0.0
+    low, high = max(0, r - 2 - reach), min(m - 1, r - 2 + reach)
     for looks in (_LOOKS, _MORE_LOOKS):
-        if pressed(S, chain, found, (low, high, looks, _GOAL), band, ends) > 1.0:
-            return False, found
+        worst = pressed(S, chain, found, (low, high, looks, _GOAL), band, ends)
+        if worst > 1.0:
+            break
         _set_feet(S, chain, found)
         P = looks_at(found[1], found[2], max(3, low), min(m - 1, high + 3), _CLOSE_LOOKS)
-        if stray(S, chain, found[0], found[1], band, P) <= 1.0:
-            return True, found
-    return False, found
+        worst = stray(S, chain, found[0], found[1], band, P)
+        if worst <= 1.0:
+            break
+    return worst, found
 
 
-@fast_kernel
+@kernel
 def _evened(
     S: FloatArray,
     chain: tuple[float, float],
@@ -138,53 +147,59 @@ def _evened(
     c: int,
     band: tuple[float, float],
     ends: FloatArray,
+    reach: int,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Give a spline that strays less about control point c, if it can."""
     found = spline[0].copy(), spline[1].copy(), spline[2].copy()
     m = len(found[0])
-    low, high = max(0, c - _REACH), min(m - 1, c + _REACH)
+    low, high = max(0, c - reach), min(m - 1, c + reach)
     pressed(S, chain, found, (low, high, _MORE_LOOKS, 0.0), band, ends)
     _set_feet(S, chain, found)
     P = looks_at(found[1], found[2], max(3, low), min(m - 1, high + 3), _CLOSE_LOOKS)
     return found if stray(S, chain, found[0], found[1], band, P) <= 1.0 else spline
 
 
-@fast_kernel
+@kernel
 def _swept(
     S: FloatArray,
     chain: tuple[float, float],
     spline: tuple[FloatArray, FloatArray, FloatArray],
     band: tuple[float, float],
     ends: FloatArray,
+    reach: int,
+    missed: FloatArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Give a spline without the knots that it does without, the cheapest first."""
-    for c in range(_REACH // 2, len(spline[0]), _REACH):
-        spline = _evened(S, chain, spline, c, band, ends)
+    """Give a spline without the knots that it does without, the cheapest first.
+
+    ``missed`` has how far it strayed without each knot at last; those that are hopeless are left.
+    """
+    for c in range(reach // 2, len(spline[0]), reach):
+        spline = _evened(S, chain, spline, c, band, ends, reach)
     cost = np.full(len(spline[1]), -1.0)
     for _ in range(4 * len(spline[0])):
         k, m = spline[1], len(spline[0])
         best, r = _HOPELESS, -1
         for i in range(4, m):
-            if k[i + 1] > k[i]:
+            if k[i + 1] > k[i] and missed[i] < _NEARLY:
                 if cost[i] < 0.0:
                     cost[i] = _cost(S, chain, spline, i, band)
                 if cost[i] < best:
                     best, r = cost[i], i
         if r < 0 or m < 7:
             break
-        good, found = _tried(S, chain, spline, r, band, ends)
-        if good:
+        worst, found = _tried(S, chain, spline, r, band, ends, reach)
+        if worst <= 1.0:
             spline = found
             for i in range(r, m + 3):
-                cost[i] = cost[i + 1]
+                cost[i], missed[i] = cost[i + 1], missed[i + 1]
             for i in range(max(0, r - 6), min(m + 3, r + 6)):
-                cost[i] = -1.0
+                cost[i], missed[i] = -1.0, 0.0
         else:
-            cost[r] = math.inf
+            cost[r], missed[r] = math.inf, worst
     return spline
 
 
-@fast_kernel
+@kernel
 def thinned(
     S: FloatArray,
     chain: tuple[float, float],
@@ -204,9 +219,13 @@ def thinned(
             may change, 1 if the end may be moved across it, 2 if the direction may change.
     """
     _set_feet(S, chain, spline)
-    for _ in range(_SWEEPS):
-        count = len(spline[0])
-        spline = _swept(S, chain, spline, band, ends)
-        if len(spline[0]) == count:
-            break
+    missed = np.zeros(len(spline[1]))
+    for reach in _REACHES:
+        for _ in range(_SWEEPS):
+            count = len(spline[0])
+            spline = _swept(S, chain, spline, band, ends, reach, missed)
+            if len(spline[0]) == count:
+                break
+            if reach == _REACHES[0]:
+                missed[:] = 0.0
     return spline

@@ -151,7 +151,8 @@ def _carry_out(drawing: Drawing, work: Work, exactness: Exactness) -> Done:
 def _milled(work: Work, around: Nested, milling: Milling, exactness: Exactness) -> Milled:
     match work.kind:
         case Kind.PROFILE if _as_splines(work, around, exactness):
-            return spline_profile(around.wires, work.milling, work.side, exactness.tolerance)
+            tolerance = exactness.tolerance
+            return spline_profile(around.wires, work.milling, work.side, tolerance, work.tabs)
         case Kind.PROFILE:
             return profile(around.regions, milling, work.side, work.tabs)
         case Kind.POCKET:
@@ -165,8 +166,8 @@ def _milled(work: Work, around: Nested, milling: Milling, exactness: Exactness) 
 
 
 def _as_splines(work: Work, around: Nested, exactness: Exactness) -> bool:
-    plain = exactness.splines and work.tabs is None and work.side is not Side.ON
-    return plain and keeps_splines(around.wires, work.milling)
+    asked = exactness.splines and work.side is not Side.ON
+    return asked and keeps_splines(around.wires)
 
 
 def _drilled(sheet: Drawing, work: Work, chaining: Chaining) -> Done:
