@@ -5,7 +5,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +18,15 @@ settings.register_profile("check", derandomize=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "check"))
 
 DOCS = Path(__file__).parents[1] / "docs"
+
+
+@pytest.fixture(scope="session", autouse=True)
+def user_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """The folder of a user's own files, empty at first: here and in what is started from here."""
+    folder = tmp_path_factory.mktemp("home")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SPLINEARM_HOME", str(folder))
+        yield folder
 
 
 @pytest.fixture

@@ -14,12 +14,13 @@ from splinearm.config import Cell
 from splinearm.control.clock import Clock, StepClock, WallClock
 from splinearm.control.realtime import real_time
 from splinearm.drivers.base import ArmDriver
-from splinearm.drivers.chain import ServoChain
+from splinearm.drivers.chain import ServoChain, ServoSpec
 from splinearm.errors import ConfigError, PortError
 
 if TYPE_CHECKING:
     from splinearm.drivers.bus import ServoBus
     from splinearm.drivers.feedforward import ServoFeedforward
+    from splinearm.drivers.gripper import Gripper
 
 _CENTRE_TICKS = 2048
 """Where the horns of virtual servos are mounted when the arm file leaves it to calibration."""
@@ -54,6 +55,8 @@ class Station:
     """What moves, in words."""
     feedforward: "ServoFeedforward | None" = None
     """By what the goals of its servos are ahead; None: by nothing."""
+    gripper: "Gripper | None" = None
+    """Its gripper, on the same bus; None: it has none that moves."""
 
 
 @contextmanager
@@ -68,6 +71,8 @@ def open_arm(
 ) -> Iterator[Station]:
     """Open the arm of a cell somewhere; leaving holds it.
 
+    Servos on a port are taken as the calibration in use says, if the user has one of this arm.
+
     Args:
         cell: The arm and its servos.
         where: "mujoco", "virtual", or the name of a serial port.
@@ -78,7 +83,8 @@ def open_arm(
             None: as the arm's file says.
 
     Raises:
-        ConfigError: If the cell has no servos and is to move some.
+        ConfigError: If the cell has no servos and is to move some, or its calibration is broken or
+            of other servos.
         PortError: If the port cannot be used.
         BusError: If a servo does not answer or is not as the file says.
     """
@@ -90,13 +96,22 @@ def open_arm(
     if where == "virtual":
         virtual = replace(cell, chain=centred(require_chain(cell)))
         with (
-            _virtual_bus_process(cell, q_start) as port,
+            virtual_bus_process(cell, q_start) as port,
             _open_servos(virtual, port, ahead, _VIRTUAL_MARGIN) as arm,
         ):
             yield replace(arm, where=f"virtual servos on {port}")
     else:
-        with _open_servos(cell, where, ahead) as station:
-            yield station
+        own, words = _as_calibrated(cell)
+        with _open_servos(own, where, ahead) as station:
+            yield replace(station, where=station.where + words)
+
+
+def _as_calibrated(cell: Cell) -> tuple[Cell, str]:
+    """Give a cell with the user's own calibration, and in words which that is."""
+    from splinearm.config.calibration import DEFAULT, calibrated
+
+    own = calibrated(cell)
+    return own, "" if own is cell else f", as calibrated ({DEFAULT!r})"
 
 
 class _Ahead(NamedTuple):
@@ -133,6 +148,7 @@ def _open_servos(
 ) -> Iterator[Station]:
     from splinearm.drivers.dialect import protocols_of
     from splinearm.drivers.dynamixel import DynamixelBus
+    from splinearm.drivers.gripper import gripper_on
     from splinearm.drivers.servo_arm import ServoArm
 
     chain, names = require_chain(cell), cell.arm.joint_names
@@ -146,7 +162,11 @@ def _open_servos(
         raise
     with arm:
         yield Station(
-            driver=arm, clock=WallClock(), where=f"servos on {port}", feedforward=feedforward
+            driver=arm,
+            clock=WallClock(),
+            where=f"servos on {port}",
+            feedforward=feedforward,
+            gripper=gripper_on(chain, bus),
         )
 
 
@@ -180,17 +200,37 @@ def require_chain(cell: Cell) -> ServoChain:
 
 
 def centred(chain: ServoChain) -> ServoChain:
-    """Give the chain with joint zero at the centre of servos that are not calibrated."""
-    servos = tuple(
-        replace(servo, zero_ticks=_CENTRE_TICKS) if servo.zero_ticks is None else servo
-        for servo in chain.servos
-    )
-    return replace(chain, servos=servos)
+    """Give the chain as virtual servos have it: what is left to calibration is at their centre.
+
+    Joint zero is there, and a gripper is open on one side of it and closed on the other.
+    """
+    return replace(chain, servos=tuple(map(_centred, chain.servos)))
+
+
+def _centred(servo: ServoSpec) -> ServoSpec:
+    if servo.zero_ticks is None:
+        servo = replace(servo, zero_ticks=_CENTRE_TICKS)
+    if servo.grip is not None and servo.grip.travel is None:
+        centre, turn = servo.servo_model.centre, servo.servo_model.pulses
+        ends = {"open_ticks": centre + turn // 6, "closed_ticks": centre - turn // 14}
+        servo = replace(servo, grip=replace(servo.grip, **ends))
+    return servo
 
 
 @contextmanager
-def _virtual_bus_process(cell: Cell, q_start: FloatArray | None) -> Iterator[str]:
-    """Start a virtual bus in a process of its own, as a real one has a processor of its own."""
+def virtual_bus_process(cell: Cell, q_start: FloatArray | None) -> Iterator[str]:
+    """Start a virtual bus in a process of its own, as a real one has a processor of its own.
+
+    Args:
+        cell: The arm; uncalibrated servos are mounted at their centre.
+        q_start: Where it stands, shape (n,), rad; None: its pose "home".
+
+    Yields:
+        The name of its port.
+
+    Raises:
+        PortError: If it does not start.
+    """
     command = [sys.executable, "-m", "splinearm", "virtual-bus", str(cell.file), "--until-eof"]
     # a socket: what a pseudo terminal carries is up to 8 ms late on a busy computer
     command += ["--transport", "socket", "--realtime"]
