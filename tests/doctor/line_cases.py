@@ -100,6 +100,12 @@ def _fresh(bus: VirtualBus) -> None:
     bus.servos[5].swap()
 
 
+def _all_fresh(bus: VirtualBus) -> None:
+    for servo in bus.all_servos:
+        servo.choices = Choices(boot_time=0.0)
+        servo.swap()
+
+
 def _slow_line(cell: Cell) -> Cell:
     return replace(cell, chain=replace(cell.chain, baud=57_600))
 
@@ -160,7 +166,7 @@ def _strange_shadow(bus: VirtualBus) -> None:
     bus.servos[3].memory["Secondary(Shadow) ID"] = 255
 
 
-_WIZARD = r"DYNAMIXEL Wizard 2 set "
+_MEND = r"run `splinearm setup planar_2r --port \S+`: it sets "
 
 LINE_CASES = (
     LineCase(
@@ -185,7 +191,7 @@ LINE_CASES = (
         transport="pty",
         where=r"servo 2 \(joint2\)",
         cause="at 57600 baud; the arm's file says 1000000",
-        remedy=_WIZARD + r"Baud Rate \(address 8\) of servo 2 to 3",
+        remedy=_MEND + r"Baud Rate \(address 8\) of servo 2 to 3",
     ),
     LineCase(
         code="L02",
@@ -227,7 +233,7 @@ LINE_CASES = (
         transport="pty",
         hurt=_fresh,
         cause=r"servo 5 \(elbow_shadow\); a XM430-W350 fresh from the factory",
-        remedy="set its ID to 5 and its rate to 1000000",
+        remedy="splinearm setup wx250s --port .*gives it id 5 and 1000000 baud",
         also=frozenset({"L06"}),
     ),
     LineCase(
@@ -237,7 +243,7 @@ LINE_CASES = (
         hurt=_register(7, "ID", 6),
         where=r"servo 6 \(forearm_roll\)",
         cause=r"two servos have this id.*missing servo 7 \(wrist_angle\)",
-        remedy="give the other its own id",
+        remedy="splinearm setup wx250s --port .*gives the other its own id",
     ),
     LineCase(
         code="L05",
@@ -247,6 +253,15 @@ LINE_CASES = (
         where="servo 7",
         cause=r"missing servo 8 \(wrist_rotate\)",
         remedy="unplug the cable to one",
+    ),
+    LineCase(
+        code="L05",
+        act="all servos are fresh out of the box: each has id 1 at 57600 baud",
+        transport="pty",
+        hurt=_all_fresh,
+        where="servo 1$",
+        cause=r"at 57600 baud, but garbled.*missing 1 \(joint1\), 2 \(joint2\) may be among",
+        remedy="splinearm setup planar_2r --port .*one after the other",
     ),
     LineCase(
         code="L06",
@@ -529,7 +544,7 @@ LINE_CASES = (
         cell=_uncalibrated,
         where="servo 1",
         cause="zero is not known",
-        remedy="zero_ticks",
+        remedy="splinearm calibrate",
     ),
     LineCase(
         code="S22",

@@ -77,12 +77,13 @@ def this_computer() -> "Computer":
 def _cell(arm: str | None) -> "Cell | None":
     from splinearm.backends import require_chain
     from splinearm.config import load_cell
+    from splinearm.config.calibration import calibrated
 
     if arm is None:
         return None
     cell = load_cell(arm)
     require_chain(cell)
-    return cell
+    return calibrated(cell)
 
 
 def _port(port: str | None, cell: "Cell | None", computer: "Computer") -> str | None:

@@ -1,9 +1,21 @@
 """``splinearm scan PORT``: the servos that answer on a port."""
 
 import argparse
+import json
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from splinearm.commissioning.bench import Bench
+    from splinearm.commissioning.search import Presence
 
 _BAUDS = (57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000)
 """Rates at which servos are usually found."""
+_SCHEMA = "splinearm-scan/1"
+
+_CODES = """A scan ends when the line is quiet: after 40 ids in a row without a servo. Only if
+nobody answers at any rate all ids are waited for.
+
+exit codes: 0 servos were found; 1 some share an id; 2 no servo answers, or there is no such port"""
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -12,6 +24,8 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "scan",
         help="list the servos that answer on a port",
         description="List the servos that answer on a serial port, in protocols 1.0 and 2.0.",
+        epilog=_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("port", help="the serial port, such as /dev/ttyUSB0")
     parser.add_argument(
@@ -20,34 +34,95 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         action="append",
         help=f"a baud rate to try; may be given again (default: {', '.join(map(str, _BAUDS))})",
     )
+    parser.add_argument("--json", action="store_true", help="print it for programs")
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
     """Print a row for each servo found."""
-    from splinearm.drivers.dynamixel import scan
+    from splinearm.commissioning.bench import QUICK_MARGIN, Bench
+
+    from .setup_person import console_for
+
+    bauds = tuple(args.baud) if args.baud else _BAUDS
+    console = console_for(as_json=args.json)
+    with (
+        console.status(f"scanning {args.port} ..."),
+        Bench(args.port, margin=QUICK_MARGIN) as bench,
+    ):
+        presence = _search(bench, bauds)
+    if args.json:
+        print(json.dumps(_document(args.port, presence), indent=2))
+    else:
+        _show(args.port, presence, bauds)
+    if presence.garbled:
+        return 1
+    return 0 if presence.found else 2
+
+
+def _search(bench: "Bench", bauds: tuple[int, ...]) -> "Presence":
+    """Find who is there; at last those with ids far from any other."""
+    from splinearm.commissioning.search import call_everyone, without_twins
+    from splinearm.drivers.chain import MAX_SERVO_ID
+
+    presence = without_twins(bench, call_everyone(bench, None, bauds))
+    if presence.found or presence.garbled:
+        return presence
+    return call_everyone(bench, None, bauds, quiet_slots=MAX_SERVO_ID)
+
+
+def _show(port: str, presence: "Presence", bauds: tuple[int, ...]) -> None:
+    from splinearm.commissioning.identify import name_of
 
     from .output import console, table
 
-    bauds = tuple(args.baud) if args.baud else _BAUDS
-    with console.status(f"scanning {args.port} ..."):
-        found = scan(args.port, bauds)
-    if not found:
-        rates = ", ".join(map(str, bauds))
-        console.print(
-            f"no servo answers on {args.port} at {rates} baud; check power and cables, "
-            "or try another rate with --baud"
-        )
-        return 2
     rows = [
         (
-            str(servo.servo_id),
-            servo.model,
-            str(servo.firmware),
-            str(servo.baud),
-            f"{servo.protocol}.0",
+            str(one.address.servo_id),
+            name_of(one),
+            str(one.firmware),
+            str(one.address.baud),
+            f"{one.address.protocol}.0",
         )
-        for servo in found
+        for one in presence.found
     ]
-    console.print(table(("id", "model", "firmware", "baud", "protocol"), rows))
-    return 0
+    if rows:
+        console.print(table(("id", "model", "firmware", "baud", "protocol"), rows))
+    for address in presence.garbled:
+        console.print(
+            f"{address}: something answers, but garbled: several servos have this id, as all have "
+            f"fresh out of the box; `splinearm setup ARM --port {port}` gives each its own, one by "
+            "one",
+            markup=False,
+            highlight=False,
+        )
+    if not (rows or presence.garbled):
+        rates = ", ".join(map(str, bauds))
+        console.print(
+            f"no servo answers on {port} at {rates} baud; check power and cables, "
+            "or try another rate with --baud"
+        )
+
+
+def _document(port: str, presence: "Presence") -> dict[str, Any]:
+    from splinearm.commissioning.identify import name_of
+
+    return {
+        "schema": _SCHEMA,
+        "port": port,
+        "servos": [
+            {
+                "id": one.address.servo_id,
+                "model": name_of(one),
+                "model_number": one.model_number,
+                "firmware": one.firmware,
+                "baud": one.address.baud,
+                "protocol": one.address.protocol,
+            }
+            for one in presence.found
+        ],
+        "shared": [
+            {"id": address.servo_id, "baud": address.baud, "protocol": address.protocol}
+            for address in presence.garbled
+        ],
+    }

@@ -20,6 +20,10 @@ Orders, one a line on standard input (with --orders):
   clear      no fault any more
   unplug     the port vanishes
   plug in    it comes back under another name, which is printed
+  connect NAME, disconnect NAME
+             a servo's own cable, with data and power; NAME is its name in the arm's file, or all
+  power off, power on
+             the supply of all servos
 """
 
 
@@ -52,6 +56,12 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     )
     parser.add_argument(
         "--realtime", action="store_true", help="go before other programs, where permitted"
+    )
+    parser.add_argument(
+        "--fresh",
+        action="store_true",
+        help="servos as they come out of the box: factory settings, and none connected until an "
+        "order does it",
     )
     parser.add_argument("--link", type=Path, default=None, help="symbolic link to the port")
     parser.add_argument(
@@ -91,6 +101,7 @@ def run(args: argparse.Namespace) -> int:
         realtime=args.realtime,
         link=args.link,
         seed=args.seed,
+        fresh=args.fresh,
     )
     bus.faults = tuple(args.fault)
     gc.freeze()  # what is there by now stays: the collector need not look at it while servos answer
@@ -126,8 +137,22 @@ def _take_order(bus: "VirtualBus", order: str) -> None:
         bus.unplug()
     elif order == "plug in":
         print(f"port: {bus.plug_in()}", flush=True)
+    elif order in ("power on", "power off"):
+        bus.harness.power(on=order == "power on")
+    elif order.startswith("connect "):
+        bus.harness.connect(*_named(order))
+    elif order.startswith("disconnect "):
+        bus.harness.disconnect(*_named(order))
     elif order:
-        raise ValueError(f"want fault, clear, unplug or plug in, got {order!r}")
+        raise ValueError(
+            f"want fault, clear, unplug or plug in, connect, disconnect or power, got {order!r}"
+        )
+
+
+def _named(order: str) -> tuple[str, ...]:
+    """Give the servos that an order names; none for all of them."""
+    name = order.partition(" ")[2].strip()
+    return () if name == "all" else (name,)
 
 
 def _fault(text: str) -> "LineFault":

@@ -17,6 +17,7 @@ LIBRARIES = {
     "dynamixel_sdk": "dynamixel-sdk",
     "serial": "pyserial",
     "rich": "rich",
+    "argcomplete": "argcomplete",
     "matplotlib": "matplotlib",
 }
 """By module what installs it: without any of these something does not work."""

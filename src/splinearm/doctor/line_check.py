@@ -8,7 +8,7 @@ from splinearm.drivers.dialect import protocol_of
 from splinearm.drivers.link import BITS_PER_BYTE
 from splinearm.drivers.model import ServoModel, servo_model_by_number
 
-from .advice import set_register
+from .advice import set_register, setup
 from .catalogue import found
 from .finding import Finding
 from .pulse import Pulse
@@ -23,7 +23,9 @@ _PING_BYTES = {1: (6, 6), 2: (10, 14)}
 _HELD = 4e-3  # s: what holds answers back for less may be this computer
 
 
-def check_roll(port: str, roll: Roll, chain: ServoChain | None) -> Iterator[Finding]:
+def check_roll(
+    port: str, roll: Roll, chain: ServoChain | None, arm: str | None = None
+) -> Iterator[Finding]:
     """Say who is missing, who answers otherwise, and who should not be there."""
     if roll.is_echoed:
         yield found(
@@ -32,8 +34,12 @@ def check_roll(port: str, roll: Roll, chain: ServoChain | None) -> Iterator[Find
             "every byte that is sent comes back before the answer",
             "switch the echo of the adapter off, or separate its TX and RX lines",
         )
+    mend = setup(port, arm)
+    for baud in roll.crowded:
+        yield _crowd(baud, roll, mend)
     if not (roll.present or roll.garbled or roll.strangers):
-        yield _nobody(port, roll)
+        if not roll.crowded:
+            yield _nobody(port, roll)
         return
     explained: set[int] = set()
     strangers = list(roll.strangers)
@@ -42,10 +48,10 @@ def check_roll(port: str, roll: Roll, chain: ServoChain | None) -> Iterator[Find
         if one is not None and chain is not None:
             explained.add(servo.servo_id)
             strangers.remove(one)
-            yield from _misset(servo, one, chain)
+            yield from _misset(servo, one, chain, mend)
     missing = [servo for servo in roll.silent if servo.servo_id not in explained]
-    if missing and chain is not None:
-        yield _missing(port, missing, chain, strangers)
+    if missing and chain is not None and not roll.crowded:
+        yield _missing(port, missing, chain, strangers, mend)
     for one in strangers:
         yield _stranger(one, roll) if chain is not None else _at_odds(one, roll)
 
@@ -75,7 +81,7 @@ def _otherwise(servo: ServoSpec, strangers: Sequence[Stranger]) -> Stranger | No
     return None
 
 
-def _misset(servo: ServoSpec, one: Stranger, chain: ServoChain) -> Iterator[Finding]:
+def _misset(servo: ServoSpec, one: Stranger, chain: ServoChain, mend: str) -> Iterator[Finding]:
     where, model = f"servo {servo.servo_id} ({servo.name})", servo.servo_model
     if one.baud != chain.baud:
         code = model.baud_code(chain.baud)
@@ -83,7 +89,7 @@ def _misset(servo: ServoSpec, one: Stranger, chain: ServoChain) -> Iterator[Find
             "L02",
             where,
             f"it answers at {one.baud} baud; the arm's file says {chain.baud}",
-            set_register(model, servo.servo_id, "Baud Rate", code),
+            set_register(mend, model, servo.servo_id, "Baud Rate", code),
         )
     wanted = protocol_of(servo, chain.protocol)
     if one.reply.protocol != wanted:
@@ -91,14 +97,18 @@ def _misset(servo: ServoSpec, one: Stranger, chain: ServoChain) -> Iterator[Find
             "L03",
             where,
             f"it speaks protocol {one.reply.protocol}.0; the arm's file says {wanted}.0",
-            set_register(model, servo.servo_id, "Protocol Type", wanted)
+            set_register(mend, model, servo.servo_id, "Protocol Type", wanted)
             if "Protocol Type" in model.table
             else f"write protocol = {one.reply.protocol}.0 into [bus] of the arm's file",
         )
 
 
 def _missing(
-    port: str, missing: Sequence[ServoSpec], chain: ServoChain, strangers: Sequence[Stranger]
+    port: str,
+    missing: Sequence[ServoSpec],
+    chain: ServoChain,
+    strangers: Sequence[Stranger],
+    mend: str,
 ) -> Finding:
     """Say who is missing, and what the order of the servos on the line tells."""
     names = ", ".join(f"{servo.servo_id} ({servo.name})" for servo in missing)
@@ -114,8 +124,8 @@ def _missing(
         model = _name_of(fresh[0])
         cause += f"; a {model} fresh from the factory (id 1, {fresh[0].baud} baud) is there"
         remedy = (
-            f"if that is it: in DYNAMIXEL Wizard 2 set its ID to {missing[0].servo_id} and its "
-            f"rate to {chain.baud} baud; else check the cable"
+            f"if that is it: {mend}, which gives it id {missing[0].servo_id} and {chain.baud} "
+            "baud; else check the cable"
         )
     return found("L04", port, cause, remedy)
 
@@ -154,7 +164,20 @@ def _name_of(one: Stranger) -> str:
         return f"servo of model number {one.reply.model_number}"
 
 
-def shared_id(where: str, silent: Sequence[ServoSpec]) -> Finding:
+def _crowd(baud: int, roll: Roll, mend: str) -> Finding:
+    """Make the finding of servos that answer together as every one does at first."""
+    who = ", ".join(f"{servo.servo_id} ({servo.name})" for servo in roll.silent)
+    return found(
+        "L05",
+        f"servo {_FACTORY_ID}",
+        f"something answers at {baud} baud, but garbled: several servos have the id {_FACTORY_ID}, "
+        "as all have fresh out of the box"
+        + (f"; the missing {who} may be among them" if who else ""),
+        f"{mend}: it lets you connect one after the other and gives each its id",
+    )
+
+
+def shared_id(where: str, silent: Sequence[ServoSpec], mend: str) -> Finding:
     """Make the finding of an id that two servos have."""
     who = ", ".join(f"{servo.servo_id} ({servo.name})" for servo in silent)
     return found(
@@ -162,7 +185,7 @@ def shared_id(where: str, silent: Sequence[ServoSpec]) -> Finding:
         where,
         "two servos have this id: their answers clash"
         + (f"; the missing servo {who} may be one of them" if who else ""),
-        "unplug the cable to one of the two, give the other its own id in DYNAMIXEL Wizard 2, then "
+        f"unplug the cable to one of the two and {mend}, which gives the other its own id; then "
         "plug it in again",
     )
 

@@ -12,6 +12,7 @@ from splinearm.drivers.dialect import protocols_of
 from splinearm.drivers.health_limit import HealthLimits
 from splinearm.errors import PortError
 
+from .advice import setup
 from .catalogue import in_order
 from .chart import Chart, read_registers
 from .computer import Computer
@@ -124,6 +125,7 @@ class _Look:
         self._effort = effort
         self._until = time.monotonic() + effort.seconds
         self._port = diagnosis.port
+        self._mend = setup(self._port, diagnosis.arm)
         self._specs: dict[int, ServoSpec] = {}
         if self._chain is not None:
             self._specs = {servo.servo_id: servo for servo in self._chain.servos}
@@ -175,9 +177,10 @@ class _Look:
         for servo_id in sorted(shared):
             twin = silent[:1]
             silent = silent[1:]
-            yield shared_id(self._where(servo_id), twin)
-        yield from check_roll(self._port, replace(roll, silent=tuple(silent)), self._chain)
-        if not (roll.present or roll.garbled or roll.strangers):
+            yield shared_id(self._where(servo_id), twin, self._mend)
+        left = replace(roll, silent=tuple(silent))
+        yield from check_roll(self._port, left, self._chain, self._diagnosis.arm)
+        if not (roll.present or roll.garbled or roll.strangers or roll.crowded):
             yield from check_silent_port(self._computer, self._port)
 
     def _read(self, bus: Stethoscope, roll: Roll, ids: list[int]) -> None:
@@ -228,7 +231,7 @@ class _Look:
                 delay = servo.settings.get("Return Delay Time", delay)
                 health = servo.health
             yield from check_health(chart, health)
-            yield from check_manner(chart, delay)
+            yield from check_manner(chart, delay, self._mend)
         if self._cell is not None and self._chain is not None:
             yield from self._of_settings(self._cell, self._chain)
 
@@ -240,11 +243,12 @@ class _Look:
             chart = named(charts, servo)
             if chart is None:
                 continue
-            findings = list(check_settings(chart, servo))
+            findings = list(check_settings(chart, servo, self._mend))
             if servo in leaders:
-                findings += check_limits(chart, servo, cell.arm.limits, leaders.index(servo))
+                joint = leaders.index(servo)
+                findings += check_limits(chart, servo, cell.arm.limits, joint, self._mend)
             else:
-                findings += check_other_limits(chart, servo)
+                findings += check_other_limits(chart, servo, self._mend)
             if any(finding.code in _MISPLACED for finding in findings):
                 del charts[servo.servo_id]
             yield from findings

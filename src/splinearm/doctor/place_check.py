@@ -11,7 +11,7 @@ from splinearm.drivers.turn import fold, unwrapped_zero
 from splinearm.errors import ServoError
 from splinearm.units import DEG
 
-from .advice import set_register
+from .advice import set_by_hand
 from .catalogue import found
 from .chart import Chart
 from .finding import Finding
@@ -34,8 +34,7 @@ def check_places(cell: Cell, charts: Mapping[int, Chart]) -> Iterator[Finding]:
                 "S21",
                 f"servo {servo.servo_id} ({servo.name})",
                 f'where joint {servo.joint!r} is zero is not known (zero_ticks = "calibrate")',
-                "bring the joint to zero by hand, read Present Position and write it as zero_ticks "
-                "into the arm's file",
+                f"`splinearm calibrate {cell.name}` finds it with you, by hand",
             )
         elif chart is not None and "Present Position" in chart.values:
             yield from _check_place(cell, chart, servo, joint)
@@ -85,7 +84,7 @@ def _check_shadow(
         gap = (gap + pulses // 2) % pulses - pulses // 2
     if abs(gap) / shadow.servo_model.pulses_per_rad > _APART:
         homing = own.values.get("Homing Offset", 0) - gap
-        remedy = set_register(shadow.servo_model, shadow.servo_id, "Homing Offset", homing)
+        remedy = set_by_hand(shadow.servo_model, shadow.servo_id, "Homing Offset", homing)
         yield found(
             "S23",
             own.where,

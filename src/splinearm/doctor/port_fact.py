@@ -32,6 +32,8 @@ class Adapter:
     """Its kind, the same."""
     name: str
     """What it calls itself."""
+    serial: str = ""
+    """Its serial number; empty if it has none."""
 
     @property
     def is_known(self) -> bool:
@@ -69,7 +71,12 @@ def adapter_of(computer: Computer, device: Device) -> Adapter | None:
         if vendor:
             words = (_text(parent / name) for name in ("manufacturer", "product"))
             name = " ".join(word for word in words if word)
-            return Adapter(vendor=vendor, product=_text(parent / "idProduct"), name=name)
+            return Adapter(
+                vendor=vendor,
+                product=_text(parent / "idProduct"),
+                name=name,
+                serial=_text(parent / "serial"),
+            )
     return None
 
 

@@ -9,10 +9,13 @@ from splinearm.drivers.chain import ServoChain, ServoSpec
 from splinearm.drivers.dialect import protocols_of
 from splinearm.drivers.dynamixel import DEFAULT_BAUDS
 from splinearm.drivers.link import is_socket
+from splinearm.drivers.model import servo_model_by_number
 from splinearm.errors import BusError, PortError
 
-from .stethoscope import Stethoscope
+from .pulse import is_shared
+from .stethoscope import Heard, Stethoscope
 
+_FACTORY_ID, _SPOILT = 1, 3
 _NEAR = 20
 """How far from each other the ids are for which is looked first."""
 _PATIENCE, _QUICK_PATIENCE = (0.0, 0.0, 0.2), (0.0, 0.0, 0.0)
@@ -47,6 +50,8 @@ class Roll:
     """Whether what was sent came back."""
     tried: tuple[int, ...]
     """The rates that were tried."""
+    crowded: tuple[int, ...] = ()
+    """Rates at which several servos answer to the id that all have fresh out of the box."""
 
 
 def call_roll(port: str, chain: ServoChain, *, until: float, thorough: bool = True) -> Roll:
@@ -89,12 +94,14 @@ def call_roll(port: str, chain: ServoChain, *, until: float, thorough: bool = Tr
                 for reply in _everyone(bus, echoed=echoed)
                 if (reply.servo_id, reply.protocol) not in named
             ]
-    tried = [chain.baud]
+    tried, crowded = [chain.baud], []
     rates = [rate for rate in _rates(chain) if rate != chain.baud and not is_socket(port)]
     for baud in rates if silent else ():
         if time.monotonic() > until:
             break
-        strangers += _at(port, baud, echoed=echoed)
+        others, is_crowd = _at(port, baud, echoed=echoed)
+        strangers += others
+        crowded += [baud] * is_crowd
         tried.append(baud)
     return Roll(
         baud=chain.baud,
@@ -104,6 +111,7 @@ def call_roll(port: str, chain: ServoChain, *, until: float, thorough: bool = Tr
         strangers=tuple(strangers),
         is_echoed=echoed,
         tried=tuple(tried),
+        crowded=tuple(crowded),
     )
 
 
@@ -117,8 +125,11 @@ def call_everyone(port: str) -> Roll:
     found: list[Stranger] = []
     with Stethoscope(port, rates[0]) as bus:
         echoed = bus.listen(0).is_echoed  # an adapter that hears itself does so at any rate
+    crowded: list[int] = []
     for baud in rates:
-        found += _at(port, baud, echoed=echoed)
+        others, is_crowd = _at(port, baud, echoed=echoed)
+        found += others
+        crowded += [baud] * is_crowd
     counts = {baud: sum(one.baud == baud for one in found) for baud in rates}
     usual = max(counts, key=lambda baud: counts[baud])
     return Roll(
@@ -129,6 +140,7 @@ def call_everyone(port: str) -> Roll:
         strangers=tuple(one for one in found if one.baud != usual),
         is_echoed=echoed,
         tried=rates,
+        crowded=tuple(crowded),
     )
 
 
@@ -154,16 +166,42 @@ def _everyone(bus: Stethoscope, *, echoed: bool) -> Sequence[PingReply]:
     return (*bus.scan(quiet_slots=_NEAR), *bus.scan_v1(quiet_slots=_NEAR))
 
 
-def _at(port: str, baud: int, *, echoed: bool) -> list[Stranger]:
-    """Give who answers at a rate; nobody, if the adapter does not have it."""
+def _at(port: str, baud: int, *, echoed: bool) -> tuple[list[Stranger], bool]:
+    """Give who answers at a rate, and whether several do as fresh out of the box.
+
+    Nobody does if the adapter does not have that rate.
+    """
     try:
         bus = Stethoscope(port, baud)
     except PortError as error:
         if f"at {baud} baud" in error.reason:
-            return []
+            return [], False
         raise
     with bus:
-        return [Stranger(reply=reply, baud=baud) for reply in _everyone(bus, echoed=echoed)]
+        replies = _everyone(bus, echoed=echoed)
+        is_crowd = _is_crowd(bus, replies)
+        alone = [r for r in replies if not (is_crowd and r.servo_id == _FACTORY_ID)]
+        return [Stranger(reply=reply, baud=baud) for reply in alone], is_crowd
+
+
+def _is_crowd(bus: Stethoscope, replies: Sequence[PingReply]) -> bool:
+    """Tell whether several servos answer at once to the id that all have at first.
+
+    Those of one model answer a ping alike; where they are they do not say alike.
+    """
+    first = [reply for reply in replies if reply.servo_id == _FACTORY_ID]
+    if not first:
+        return all(_is_spoilt(bus.listen(_FACTORY_ID)) for _ in range(_SPOILT))
+    try:
+        place = servo_model_by_number(first[0].model_number).table.get("Present Position")
+    except ValueError:
+        return False
+    bus.speak({_FACTORY_ID: first[0].protocol})
+    return place is not None and is_shared(bus, _FACTORY_ID, place)
+
+
+def _is_spoilt(heard: Heard) -> bool:
+    return bool(heard.data) and not heard.packets
 
 
 def _rates(chain: ServoChain) -> tuple[int, ...]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from splinearm.drivers.health_limit import HealthLimits
 
-from .advice import recover, set_register
+from .advice import recover, set_register, setup
 from .catalogue import found
 from .chart import Chart
 from .finding import Finding
@@ -71,7 +71,8 @@ def check_errors(chart: Chart, port: str, arm: str | None) -> Iterator[Finding]:
         if values.get(name) == 0:
             initial = chart.model.table[name].initial
             value = initial if isinstance(initial, int) else 0
-            remedy = set_register(chart.model, chart.servo_id, name, value)
+            mend = setup(port, arm)
+            remedy = set_register(mend, chart.model, chart.servo_id, name, value)
             yield found("S12", chart.where, f"its {name} is 0: it cannot push at all", remedy)
 
 
@@ -123,12 +124,13 @@ def check_firmware(chart: Chart) -> Iterator[Finding]:
         )
 
 
-def check_manner(chart: Chart, told_delay: int) -> Iterator[Finding]:
+def check_manner(chart: Chart, told_delay: int, mend: str) -> Iterator[Finding]:
     """Say whether it answers late, or not everything.
 
     Args:
         chart: Its registers.
         told_delay: What its Return Delay Time should be.
+        mend: The command that sets servos.
     """
     level = chart.values.get("Status Return Level", _ANSWER_ALL)
     if level < _ANSWER_ALL:
@@ -145,7 +147,7 @@ def check_manner(chart: Chart, told_delay: int) -> Iterator[Finding]:
             chart.where,
             f"it waits {delay * 2} us before every answer (Return Delay Time is {delay}, not "
             f"{told_delay})",
-            set_register(chart.model, chart.servo_id, "Return Delay Time", told_delay),
+            set_register(mend, chart.model, chart.servo_id, "Return Delay Time", told_delay),
         )
 
 

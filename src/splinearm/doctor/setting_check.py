@@ -62,7 +62,7 @@ def unknown_model(where: str, reply: PingReply, more: str = "") -> Finding:
     )
 
 
-def check_settings(chart: Chart, servo: ServoSpec) -> Iterator[Finding]:
+def check_settings(chart: Chart, servo: ServoSpec, mend: str) -> Iterator[Finding]:
     """Compare a servo's EEPROM with the file; its position limits are not looked at here."""
     settings, values = servo.settings, chart.values
     # what moves a joint must agree with the file even where that says nothing
@@ -72,20 +72,20 @@ def check_settings(chart: Chart, servo: ServoSpec) -> Iterator[Finding]:
         if wanted is None or name not in values:
             continue
         if name == "Drive Mode":
-            yield from _check_direction(chart, wanted)
+            yield from _check_direction(chart, wanted, mend)
         elif name == "Secondary(Shadow) ID":
             if min(values[name], _NO_SECONDARY_ID) != min(wanted, _NO_SECONDARY_ID):
-                yield from _differs(chart, code, name, wanted)
+                yield from _differs(chart, code, name, wanted, mend)
         elif not (name == "Homing Offset" and is_coupled(servo) and name not in settings):
-            yield from _differs(chart, code, name, wanted)
+            yield from _differs(chart, code, name, wanted, mend)
     for name, wanted in settings.items():
         area = servo.servo_model.table[name].area
         if name not in _SINGLED_OUT and area is Area.EEPROM:
-            yield from _differs(chart, "S20", name, wanted)
+            yield from _differs(chart, "S20", name, wanted, mend)
 
 
 def check_limits(
-    chart: Chart, servo: ServoSpec, limits: JointLimits, joint: int
+    chart: Chart, servo: ServoSpec, limits: JointLimits, joint: int, mend: str
 ) -> Iterator[Finding]:
     """See that a leader in position mode takes every goal within its joint's range."""
     names = ("Min Position Limit", "Max Position Limit")
@@ -107,23 +107,23 @@ def check_limits(
                 "S19",
                 chart.where,
                 f"its {name} is {limit}, but joint {servo.joint!r} may go to {reach:.0f} ticks",
-                f"{set_register(chart.model, chart.servo_id, name, wanted)}; or narrow the joint "
-                "in the arm's file",
+                f"{set_register(mend, chart.model, chart.servo_id, name, wanted)}; or narrow the "
+                "joint in the arm's file",
             )
 
 
-def check_other_limits(chart: Chart, servo: ServoSpec) -> Iterator[Finding]:
+def check_other_limits(chart: Chart, servo: ServoSpec, mend: str) -> Iterator[Finding]:
     """Compare the position limits with the file where no joint's range asks for them."""
     for name in ("Min Position Limit", "Max Position Limit"):
         if name in servo.settings:
-            yield from _differs(chart, "S20", name, servo.settings[name])
+            yield from _differs(chart, "S20", name, servo.settings[name], mend)
 
 
-def _check_direction(chart: Chart, wanted: int) -> Iterator[Finding]:
+def _check_direction(chart: Chart, wanted: int, mend: str) -> Iterator[Finding]:
     have = chart.values.get("Drive Mode", wanted)
     if have == wanted:
         return
-    remedy = set_register(chart.model, chart.servo_id, "Drive Mode", wanted)
+    remedy = set_register(mend, chart.model, chart.servo_id, "Drive Mode", wanted)
     if (have ^ wanted) & _REVERSED:
         cause = (
             f"its Drive Mode is {have}, the arm's file says {wanted}: the joint would turn the "
@@ -135,10 +135,10 @@ def _check_direction(chart: Chart, wanted: int) -> Iterator[Finding]:
         yield found("S15", chart.where, cause, remedy)
 
 
-def _differs(chart: Chart, code: str, name: str, wanted: int) -> Iterator[Finding]:
+def _differs(chart: Chart, code: str, name: str, wanted: int, mend: str) -> Iterator[Finding]:
     have = chart.values.get(name, wanted)
     if have != wanted:
-        remedy = set_register(chart.model, chart.servo_id, name, wanted)
+        remedy = set_register(mend, chart.model, chart.servo_id, name, wanted)
         cause = f"its {name} is {have}, the arm's file says {wanted}"
         yield found(code, chart.where, cause, f"{remedy}; or correct the arm's file")
 

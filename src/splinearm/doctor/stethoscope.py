@@ -41,13 +41,21 @@ class Stethoscope(DynamixelBus):
         port: The port.
         baud: Bits per second.
         protocols: By id the protocol of servos that do not speak 2.0.
+        margin: How long an answer may be late, s.
 
     Raises:
         PortError: If the port cannot be had.
     """
 
-    def __init__(self, port: str, baud: int, *, protocols: Mapping[int, int] | None = None) -> None:
-        super().__init__(port, baud, margin=MARGIN, protocols=protocols)
+    def __init__(
+        self,
+        port: str,
+        baud: int,
+        *,
+        protocols: Mapping[int, int] | None = None,
+        margin: float = MARGIN,
+    ) -> None:
+        super().__init__(port, baud, margin=margin, protocols=protocols)
 
     def protocol_of(self, servo_id: int) -> int:
         """Give the protocol that a servo is spoken to in, 1 or 2."""
@@ -136,4 +144,4 @@ class Stethoscope(DynamixelBus):
 
 
 def _refuse() -> NoReturn:
-    raise RuntimeError("a diagnosis asks only: it writes nothing to a servo")
+    raise RuntimeError("this bus asks only: it writes nothing to a servo")

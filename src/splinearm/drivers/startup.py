@@ -47,8 +47,8 @@ def require_calibration(leaders: Sequence[ServoSpec]) -> None:
         if servo.zero_ticks is None:
             raise ServoError(
                 servo.servo_id,
-                f"where joint {servo.joint!r} is zero is not known; calibrate it and write its "
-                "zero_ticks into the arm's file",
+                f"where joint {servo.joint!r} is zero is not known; find it by `splinearm "
+                "calibrate`, or write its zero_ticks into the arm's file",
                 name=servo.name,
             )
 

@@ -19,6 +19,7 @@ class BusOptions(TypedDict, total=False):
     habits: LineHabits
     seed: int
     link: Path | None
+    fresh: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,6 +42,8 @@ class Wiring:
     """Makes the same dice for faults."""
     link: Path | None = None
     """A symbolic link that leads to the port, whatever its name is; None: none."""
+    fresh: bool = False
+    """Whether servos are as they come out of the box: factory settings, and none connected yet."""
 
     def __post_init__(self) -> None:
         if self.transport not in ("pty", "socket"):

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import copysign
+from math import copysign, inf
 
 import mujoco
 import numpy as np
@@ -59,7 +59,12 @@ class ArmPlant:
         self._damping = self._model.dof_damping.tolist()
         self._stuck = [False] * len(drives)
         self._data = mujoco.MjData(self._model)
-        self._data.qpos[:] = q_start
+        self.stand(q_start)
+
+    def stand(self, q: ArrayInput) -> None:
+        """Let the arm stand somewhere, at rest, as if a hand had put it there, shape (n,), rad."""
+        self._data.qpos[:] = frozen_array(q, (self._model.nq,), "q")
+        self._data.qvel[:] = 0.0
         mujoco.mj_forward(self._model, self._data)
         self._report()
 
@@ -119,6 +124,9 @@ class FreePlant:
     def __init__(self, motor: Motor, shaft: Shaft) -> None:
         self._motor = motor
         self._shaft = shaft
+        self.between = (-inf, inf)
+        """Angles that the shaft cannot pass, rad: what is between a gripper's fingers, or their
+        ends. It stops there without a rebound."""
 
     @property
     def speed(self) -> float:
@@ -140,3 +148,7 @@ class FreePlant:
         brake = TIMESTEP * motor.friction / motor.armature
         shaft.speed = copysign(max(abs(speed) - brake, 0.0), speed)
         shaft.angle += TIMESTEP * shaft.speed
+        low, high = self.between
+        if not low <= shaft.angle <= high:
+            shaft.angle = min(max(shaft.angle, low), high)
+            shaft.speed = 0.0

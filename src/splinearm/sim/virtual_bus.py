@@ -11,6 +11,7 @@ import socket
 import threading
 import time
 from collections.abc import Callable, Sequence
+from math import inf
 from pathlib import Path
 from statistics import median
 from types import TracebackType
@@ -26,6 +27,7 @@ from splinearm.kinematics.arm import Arm
 from .bus_option import BusOptions, Wiring
 from .ear import Heard
 from .habit import LineHabits
+from .harness import Harness
 from .line import Line, speak_protocol_1
 from .line_fault import LineFault, LineFaults
 from .motor import motor_of, require_turning
@@ -89,7 +91,7 @@ class VirtualBus:
                 else it falls at once.
             clock: Gives the time, s.
             options: The fields of ``Wiring``: ``transport``, ``wire_time``, ``usb_latency``,
-                ``realtime``, ``habits``, ``seed``, ``link``.
+                ``realtime``, ``habits``, ``seed``, ``link``, ``fresh``.
 
         Raises:
             ValueError: If a joint has no servo or slides, a servo has no such joint, or its model
@@ -103,7 +105,7 @@ class VirtualBus:
         chain.leaders_of(arm.joint_names)
         self._wiring = Wiring(**options)
         self._baud = chain.baud
-        self._plant, self._rig, self._line = _build(arm, chain, start, held=held)
+        self._plant, self._free, self._rig, self._line = _build(arm, chain, start, held=held)
         self._line.habits = self._wiring.habits
         self._clock = clock
         self._begun = clock()
@@ -118,7 +120,17 @@ class VirtualBus:
         self._spare: Port | None = None
         self.lock = threading.Lock()
         """Held while servos live on or obey."""
+        self.changes = 0
+        """How many instructions have come that may change something in a servo."""
         self.faults = ()
+        names = [servo.name for servo in chain.servos]
+        by_name = dict(zip(names, self._line.servos, strict=True))
+        self.harness = Harness(by_name, self.lock, self._catch_up)
+        """The cables to the servos."""
+        if self._wiring.fresh:
+            for servo in self._line.servos:
+                servo.swap()
+            self.harness.disconnect()
 
     @property
     def port(self) -> str:
@@ -194,6 +206,24 @@ class VirtualBus:
         """Where the joints are, shape (n,), rad."""
         with self.lock:
             return self._plant.q
+
+    def grip(self, name: str, between: tuple[float, float] | None) -> None:
+        """Put something between a gripper's fingers, or take it away.
+
+        Args:
+            name: The gripper's servo.
+            between: Angles of its shaft that it cannot pass, rad from where it was mounted, rising;
+                None: it turns freely.
+
+        Raises:
+            ValueError: If that servo moves a joint, or there is none of that name.
+        """
+        if name not in self._free:
+            raise ValueError(f"name: want one of {', '.join(self._free) or 'none'}, got {name!r}")
+        with self.lock:
+            self._catch_up()
+            self._free[name].between = (-inf, inf) if between is None else between
+            self._rig.wake()
 
     def push(self, torques: ArrayInput | None) -> None:
         """Push the joints from outside from here on, as a hand does.
@@ -305,6 +335,7 @@ class VirtualBus:
             self._catch_up()
             replies = self._line.answer(heard.packet, baud, heard.protocol, damaged=heard.damaged)
             if heard.packet.instruction not in _HARMLESS:
+                self.changes += 1
                 self._rig.wake()
         return replies
 
@@ -320,16 +351,16 @@ def _link(link: Path, name: str) -> None:
 
 def _build(
     arm: Arm, chain: ServoChain, q_start: FloatArray, *, held: bool
-) -> tuple[ArmPlant, Rig, Line]:
-    """Give the plant, the rig and the line of a chain."""
+) -> tuple[ArmPlant, dict[str, FreePlant], Rig, Line]:
+    """Give the plant, by name what turns freely, the rig and the line of a chain."""
     require_turning(arm)
     drives: list[Drive] = []
-    free: list[Plant] = []
+    free: dict[str, FreePlant] = {}
     servos: list[VirtualServo] = []
     for spec in chain.servos:
         motor, shaft = motor_of(spec.servo_model), Shaft()
         if spec.joint is None:
-            free.append(FreePlant(motor, shaft))
+            free[spec.name] = FreePlant(motor, shaft)
         elif spec.joint in arm.joint_names:
             shaft.angle = float(q_start[arm.joint_names.index(spec.joint)])
             drives.append(Drive(spec.joint, motor, shaft))
@@ -340,4 +371,5 @@ def _build(
             speak_protocol_1(servo)
         servos.append(servo)
     plant = ArmPlant(arm, drives, q_start)
-    return plant, Rig(servos, [plant, *free], held=held), Line(servos)
+    plants: list[Plant] = [plant, *free.values()]
+    return plant, free, Rig(servos, plants, held=held), Line(servos)

@@ -1,0 +1,160 @@
+"""``splinearm setup ARM``: from servos fresh out of the box to an arm that is ready."""
+
+import argparse
+import json
+from typing import TYPE_CHECKING, Any
+
+from .port_words import add_port, port_of
+
+if TYPE_CHECKING:
+    from splinearm.commissioning.session import SessionReport
+    from splinearm.commissioning.task import Task
+    from splinearm.config import Cell
+
+_SCHEMA = "splinearm-setup/1"
+
+_MORE = """Every step looks first and skips what is done: stop it at any time and start it again.
+Nothing moves and no servo gets torque. Before the first write the control tables of the servos are
+kept in a file; `splinearm restore FILE` brings them back.
+
+exit codes:
+    0    the arm is set up
+    1    something is left to do (--check lists it), or it was not agreed to
+    2    it cannot be done: no port, a servo of another model, no answer
+    130  Ctrl-C"""
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Declare the command's words."""
+    parser = commands.add_parser(
+        "setup",
+        help="set servos up: ids, baud rate, limits and all else that the arm's file says",
+        description="Find the servos of an arm at any rate and in both protocols, give each its id "
+        "(one by one where it cannot be told which is which), and write what the arm's file says, "
+        "after showing old and new values and asking.",
+        epilog=_MORE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("arm", help="the arm's file, or the name of an arm that is shipped")
+    add_port(parser, virtual=False)
+    parser.add_argument("--check", action="store_true", help="say what is left; write nothing")
+    parser.add_argument("--yes", action="store_true", help="write without asking")
+    parser.add_argument(
+        "--release",
+        action="store_true",
+        help="let servos lose their torque without asking: the arm is supported",
+    )
+    parser.add_argument(
+        "--one-by-one",
+        action="store_true",
+        help="ask for each servo by itself, whatever ids they have now",
+    )
+    parser.add_argument(
+        "--wait-s",
+        type=float,
+        default=300.0,
+        metavar="S",
+        help="how long to wait for a servo to be connected (default: 300)",
+    )
+    parser.add_argument("--json", action="store_true", help="print the outcome for programs")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Look, ask, write, read again."""
+    from splinearm.backends import require_chain
+    from splinearm.commissioning.bench import Bench
+    from splinearm.commissioning.person import DeclinedError
+    from splinearm.commissioning.setup import Setup
+    from splinearm.config import load_cell
+    from splinearm.config.calibration import calibrated
+
+    from .setup_person import TerminalPerson, console_for
+
+    cell = calibrated(load_cell(args.arm))
+    require_chain(cell)
+    console = console_for(as_json=args.json)
+    port = port_of(args, cell, announce=lambda words: console.print(words, markup=False))
+    person = TerminalPerson(console, yes=args.yes or args.check, release=args.release)
+    with Bench(port) as bench:
+        setup = Setup(
+            bench, cell, person, one_by_one=args.one_by_one, patience=max(args.wait_s, 0.0)
+        )
+        try:
+            report = setup.check() if args.check else setup.run()
+        except DeclinedError as declined:
+            report = setup.report
+            report.left.append(str(declined))
+        finally:
+            if setup.report.backup is not None:
+                person.tell(f"the servos as they were: {setup.report.backup}")
+    if args.json:
+        print(json.dumps(document(report, cell, port), indent=2))
+    else:
+        _show(args, report)
+    return 1 if report.left else 0
+
+
+def document(report: "SessionReport", cell: "Cell", port: str) -> dict[str, Any]:
+    """Give the outcome for JSON."""
+    return {
+        "schema": _SCHEMA,
+        "arm": cell.name,
+        "port": port,
+        "ready": not report.left,
+        "left": report.left,
+        "notes": report.notes,
+        "written": report.written,
+        "backup": None if report.backup is None else str(report.backup),
+        "servos": [servo_document(task) for task in report.tasks],
+    }
+
+
+def servo_document(task: "Task") -> dict[str, Any]:
+    """Give what is, or was, to be done to a servo."""
+    found = task.image.found
+    return {
+        "name": task.name,
+        "model": task.image.model.name,
+        "firmware": found.firmware,
+        "id": found.address.servo_id,
+        "baud": found.address.baud,
+        "protocol": found.address.protocol,
+        "errors": list(task.errors),
+        "changes": [
+            {
+                "register": change.register.name,
+                "address": change.register.address,
+                "old": change.old,
+                "new": change.new,
+            }
+            for change in task.changes
+        ],
+    }
+
+
+def _show(args: argparse.Namespace, report: "SessionReport") -> None:
+    """Say how it ended."""
+    from .output import console
+    from .setup_person import show_task
+
+    for task in report.tasks if args.check else ():
+        if not task.is_done:
+            show_task(console, task)
+    for note in report.notes if args.check else ():
+        console.print(note, markup=False, highlight=False)
+    if report.left:
+        console.print("left to do:")
+        for words in report.left:
+            console.print(f"  {words}", markup=False, highlight=False)
+        if args.check:
+            console.print(f"`splinearm setup {args.arm}` does it", markup=False, highlight=False)
+    elif args.check or not report.written:
+        console.print("all servos are set up; there is nothing to write")
+    else:
+        console.print(
+            f"all servos are set up; {report.written} registers written. Next: "
+            f"`splinearm doctor --arm {args.arm}`",
+            markup=False,
+            highlight=False,
+        )
