@@ -363,6 +363,7 @@ class DirectBus:
         model = chain.servos[0].servo_model
         plants = [FreePlant(motor_of(model), shaft) for shaft in shafts.values()]
         self.rig = Rig(list(self.servos.values()), plants)
+        self.plants = dict(zip(shafts, plants, strict=True))
         self.shafts = shafts
         self.sent: list[Packet] = []
         self.gone = False
@@ -448,7 +449,8 @@ def in_their_time(monkeypatch):
     """Let what the driver waits for pass in the time of a direct bus."""
 
     def live_in(bus: DirectBus) -> None:
-        for module in ("recover", "watchdog", "health", "servo_arm", "exchange", "torque"):
+        modules = ("recover", "watchdog", "health", "servo_arm", "exchange", "torque", "gripper")
+        for module in modules:
             monkeypatch.setattr(f"splinearm.drivers.{module}.time", bus)
 
     return live_in

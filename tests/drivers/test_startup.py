@@ -80,7 +80,7 @@ def test_a_latched_error_is_named_with_what_helps(open_arm, line):
 
 
 def test_an_uncalibrated_joint_is_refused_before_anything_is_sent(open_arm, make_chain, line):
-    with pytest.raises(ServoError, match="calibrate it"):
+    with pytest.raises(ServoError, match="splinearm calibrate"):
         open_arm(make_chain(zero_ticks=None)).__enter__()
     assert line.instructions == []
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from types import MappingProxyType
 
+from .grip import Grip
 from .health_limit import HealthLimits
 from .model import ServoModel, servo_model
 
@@ -50,6 +51,8 @@ class ServoSpec:
     """Raw values that registers must have, by register name, as in {"Drive Mode": 1}."""
     health: HealthLimits = field(default_factory=HealthLimits)
     """How hot, how weakly fed and how hard at work it may be."""
+    grip: Grip | None = None
+    """How it opens and closes; None for a servo that moves a joint."""
 
     def __post_init__(self) -> None:
         if not 0 <= self.servo_id <= MAX_SERVO_ID:
@@ -70,6 +73,10 @@ class ServoSpec:
             raise ValueError(
                 f"servo {self.name!r}: want {wanted} for a {self.role.value}, got {self.joint!r}"
             )
+        if self.grip is not None and self.role is not ServoRole.GRIPPER:
+            raise ValueError(f"servo {self.name!r}: want no grip for a {self.role.value}")
+        if self.grip is None and self.role is ServoRole.GRIPPER:
+            object.__setattr__(self, "grip", Grip())
         object.__setattr__(self, "settings", MappingProxyType(dict(self.settings)))
 
     @property
@@ -135,6 +142,11 @@ class ServoChain:
         """Give the shadows at those joints, in the order of the chain."""
         names = set(joint_names)
         return tuple(s for s in self.servos if s.role is ServoRole.SHADOW and s.joint in names)
+
+    @property
+    def gripper(self) -> ServoSpec | None:
+        """The gripper's servo, the first if there are several; None without one."""
+        return next((s for s in self.servos if s.role is ServoRole.GRIPPER), None)
 
 
 def _refuse_twins(what: str, values: Iterable[object]) -> None:

@@ -322,9 +322,7 @@ class ServoClient:
             raise PacketError(f"an answer of servo {servo_id}", "a damaged packet")
         raise BusTimeoutError(servo_id, about, port=self.port)
 
-    def _hear(
-        self, dialect: Dialect, servo_id: int, frame: bytes, answer: int
-    ) -> "_Heard":
+    def _hear(self, dialect: Dialect, servo_id: int, frame: bytes, answer: int) -> "_Heard":
         """Send a packet; give the status that answers it, or what came instead.
 
         A status with other than ``answer`` bytes answers something else: an instruction before it
