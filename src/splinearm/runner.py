@@ -1,8 +1,6 @@
 """A job from its file to the end of its motion: plan, approach, follow, report, resume."""
 
-import logging
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -11,38 +9,22 @@ import numpy as np
 
 from splinearm.backends import Station
 from splinearm.config import Cell, Job, SavedMotion
-from splinearm.control.aside import Aside
-from splinearm.control.clock import WallClock
 from splinearm.control.cycle import Cycle
 from splinearm.control.document import run_document
-from splinearm.control.ending import Ending, ExitReason, Outcome
-from splinearm.control.follow import Loop
+from splinearm.control.ending import Ending, Outcome
 from splinearm.control.forecast import StopForecast, forecast_stops
-from splinearm.control.guard import Guard
-from splinearm.control.mcap_log import McapLog
-from splinearm.control.realtime import SPIN, Footing, real_time
+from splinearm.control.realtime import Footing
 from splinearm.control.record import Recorder
-from splinearm.control.rehearsal import LASTS as REHEARSAL
-from splinearm.control.rehearsal import RATES, UNSEEN_AMONG, UNSEEN_FIRST, WINDOWS, rehearse
 from splinearm.control.report import LoopReport, TrackingReport, report_loop, report_tracking
 from splinearm.control.servo_count import ServoCounter
-from splinearm.control.stop import StopRequest
 from splinearm.control.stopped import StoppedMotion
-from splinearm.control.tolerance import Tolerances
-from splinearm.errors import BusError, ConfigError, CurveError, MotionError, UnreachableError
+from splinearm.errors import ConfigError, CurveError, UnreachableError
 from splinearm.kinematics.dynamics import Dynamics
+from splinearm.stage import Audience, on_stage
+from splinearm.stage import tolerances_of as tolerances_of
 from splinearm.trajectories.limit import MotionLimits
-from splinearm.trajectories.plan import Plan, plan, plan_joint_move
+from splinearm.trajectories.plan import Plan, plan
 from splinearm.trajectories.tool_path import carried_tool_path
-from splinearm.units import DEG
-
-_log = logging.getLogger(__name__)
-
-APPROACH_SHARE = 0.3
-"""Share of the speed limits that the way to the start takes."""
-
-APPROACH_FROM = 0.2 * DEG
-"""Nearer than this to its start an arm needs no approach, rad (m for a sliding joint)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,6 +79,8 @@ def plan_job(job: Job, cell: Cell) -> PlannedJob:
     """
     if job.program is not None:
         raise ConfigError(job.file, "toolpath", "has no waypoints to plan; run it instead")
+    if job.pieces:
+        raise ConfigError(job.file, "piece", "is a job of pieces, each with a plan; run it instead")
     try:
         motion = plan(
             cell.arm,
@@ -219,52 +203,47 @@ def carry_out_job(
     Raises:
         SplinearmError: If the arm cannot move at all; see ``Recorder`` and ``Loop.follow``.
     """
-    cell, wanted = planned.cell, planned.plan
-    names = cell.arm.joint_names
-    forecast = forecast_stops(wanted.trajectory, lambda q: cell.arm.fk(q)[:, :3, 3])
-    with ExitStack() as stack:
-        recorder = stack.enter_context(Recorder(names, cell.arm.limits.kinds, csv))
-        keep: list[Callable[[Cycle], object]] = [recorder]
-        if mcap is not None:
-            keep.append(stack.enter_context(McapLog(names, mcap)))
-        aside = stack.enter_context(Aside())
-        stop = stack.enter_context(StopRequest())
-        footing = stack.enter_context(_footing(station))
-        if footing is not None and footing.fifo:
-            aside.hurry()
-        say = aside.later(announce if announce is not None else _log.info)
-        if observe is not None:
-            keep.append(aside.later(observe))
-        period = _period(planned.job, station, footing, say)
-        say(forecast.words)
-        loop = Loop(
-            driver=station.driver,
-            clock=station.clock,
-            guard=Guard(cell.arm.limits, tolerances_of(planned.job, cell)),
-            period=period,
-            announce=say,
-        )
-        ending = _approach(loop, wanted, cell, stop)
-        counter = ServoCounter(station.driver, cell.chain)
+    _require_plain(planned.job)
+    forecast = forecast_of(planned)
+    audience = Audience(csv=csv, mcap=mcap, observe=observe)
+    if announce is not None:
+        audience = replace(audience, announce=announce)
+    with on_stage(planned.job, planned.cell, station, audience) as stage:
+        stage.say(forecast.words)
+        ending = stage.approach(planned.plan.trajectory.q_start)
+        counter = ServoCounter(station.driver, planned.cell.chain)
         if ending.outcome is Outcome.FINISHED:
-            motion = replace(loop, observe=lambda cycle: [one(cycle) for one in keep])
-            ending = motion.carry_out(wanted.trajectory, stop)
+            motion = stage.watched(stage.rows, *stage.watchers)
+            ending = motion.carry_out(planned.plan.trajectory, stage.stop)
         else:
-            ending = _not_begun(ending, wanted)
-    if aside.trouble is not None:
-        raise aside.trouble
+            ending = not_begun(ending, planned.plan)
     return RunResult(
         ending=ending,
         planned=planned,
-        recorder=recorder,
-        tracking=report_tracking(cell.arm, wanted, recorder),
-        loop=report_loop(recorder.cycles, period, counter.counts()),
+        recorder=stage.rows,
+        tracking=report_tracking(planned.cell.arm, planned.plan, stage.rows),
+        loop=report_loop(stage.rows.cycles, stage.period, counter.counts()),
         forecast=forecast,
-        footing=footing,
+        footing=stage.footing,
     )
 
 
-def _not_begun(ending: Ending, wanted: Plan) -> Ending:
+def _require_plain(job: Job) -> None:
+    """Refuse a job of which a motion is not all."""
+    if job.grips or job.times != 1:
+        what = "waypoint" if job.grips else "motion.times"
+        raise ConfigError(
+            job.file, what, "is more than one motion; carry it out as splinearm.sequence does"
+        )
+
+
+def forecast_of(planned: PlannedJob) -> StopForecast:
+    """Say how long and how far stops of a motion take, before it begins."""
+    arm = planned.cell.arm
+    return forecast_stops(planned.plan.trajectory, lambda q: arm.fk(q)[:, :3, 3])
+
+
+def not_begun(ending: Ending, wanted: Plan) -> Ending:
     """Give the ending of a motion whose approach ended so: all of it remains."""
     stopped = StoppedMotion(wanted.trajectory, 0.0)
     if ending.fault is not None:
@@ -303,78 +282,3 @@ def resume(
     rest = result.ending.stopped.remaining()
     planned = replace(result.planned, plan=replace(result.planned.plan, trajectory=rest))
     return carry_out_job(planned, station, csv=csv, mcap=mcap, observe=observe, announce=announce)
-
-
-def tolerances_of(job: Job, cell: Cell) -> Tolerances:
-    """Give how far the arm may be off: as the job says, else as usual."""
-    return replace(Tolerances.usual(cell.arm.limits.kinds), **job.tolerances)
-
-
-@contextmanager
-def _footing(station: Station) -> Iterator[Footing | None]:
-    """Let an arm that lives by the wall clock have its setpoints on time, as far as permitted."""
-    clock = station.clock
-    if not isinstance(clock, WallClock):
-        yield None
-        return
-    with real_time() as footing:
-        clock.spin = SPIN if footing.fifo else 0.0
-        try:
-            yield footing
-        finally:
-            clock.spin = 0.0
-
-
-def _period(
-    job: Job, station: Station, footing: Footing | None, say: Callable[[str], object]
-) -> float:
-    """Give the time between setpoints: of the job, or the shortest that can be held.
-
-    Raises:
-        MotionError: If none can be held that makes sense.
-    """
-    period = 1.0 / job.rate
-    if footing is None:
-        return period
-
-    def read() -> None:
-        with suppress(BusError):
-            station.driver.read()
-
-    windows = 1 if footing.fifo else WINDOWS
-    tried = rehearse(station.clock, min(period, 1.0 / RATES[-1]), read, REHEARSAL, windows)
-    rate = tried.rate(job.rate, UNSEEN_FIRST if footing.fifo else UNSEEN_AMONG)
-    late = f"up to {tried.lateness.max() * 1e3:.1f} ms late when the arm rests"
-    if rate is None:
-        raise MotionError(
-            f"this computer cannot hold {RATES[-1]} setpoints a second ({late}, "
-            f"{np.median(tried.busy) * 1e3:.1f} ms for a reading); close other programs; "
-            f"{footing.words}"
-        )
-    if not footing.fifo:
-        say(f"{late}; {footing.words}")
-    if rate < job.rate:
-        say(
-            f"going at {rate:g} setpoints a second, not {job.rate:g}: {late}, a reading takes "
-            f"{np.median(tried.busy) * 1e3:.2f} ms; the path stays the same"
-        )
-    return 1.0 / rate
-
-
-def _approach(loop: Loop, wanted: Plan, cell: Cell, stop: StopRequest) -> Ending:
-    """Bring the arm to the start of the motion, slowly and announced."""
-    held = loop.driver.goal
-    away = np.abs(held - wanted.trajectory.q_start)
-    if away.max() <= APPROACH_FROM:
-        return Ending(outcome=Outcome.FINISHED, reason=ExitReason.SUCCESSFUL)
-    limits = cell.arm.limits
-    limits.check(held, tolerance=APPROACH_FROM)
-    start = np.clip(held, limits.q_min, limits.q_max)  # by the rounding to ticks at the most
-    way = plan_joint_move(limits.scaled(APPROACH_SHARE), start, wanted.trajectory.q_start)
-    worst = int(np.argmax(away))
-    loop.announce(
-        f"the arm is not at the start (joint {limits.names[worst]!r} is off by "
-        f"{away[worst] / DEG:.1f} deg): approaching in {way.duration:.1f} s; "
-        f"{forecast_stops(way, lambda q: cell.arm.fk(q)[:, :3, 3]).words}"
-    )
-    return loop.carry_out(way, stop)

@@ -33,7 +33,7 @@ def planned(name: str) -> Plan:
 
 
 def test_there_are_examples_of_every_move():
-    assert NAMES == ["heart", "inspect", "reach", "slot", "square"]
+    assert NAMES == ["heart", "inspect", "pick", "reach", "slot", "square"]
     assert {point.move for name in NAMES for point in example(name)[0].waypoints} == set(Move)
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from splinearm import runner
+from splinearm import stage
 from splinearm.backends import Station, open_arm
 from splinearm.config import demo_job, load_cell
 from splinearm.control.clock import WallClock
@@ -142,8 +142,8 @@ class LateClock(WallClock):
 
 @pytest.fixture
 def late_station(station, monkeypatch):
-    monkeypatch.setattr(runner, "real_time", no_permission)
-    monkeypatch.setattr(runner, "REHEARSAL", 0.05)
+    monkeypatch.setattr(stage, "real_time", no_permission)
+    monkeypatch.setattr(stage, "REHEARSAL", 0.05)
     return Station(driver=station.driver, clock=LateClock(), where="here")
 
 
@@ -152,7 +152,7 @@ def test_without_permission_the_rate_is_lowered_and_that_is_said(planned, late_s
     said: list[str] = []
     late_station.clock.late = 7e-3
     job = replace(planned.job, rate=200.0)
-    period = runner._period(job, late_station, Footing(fifo=False, locked=False), said.append)
+    period = stage._period(job, late_station, Footing(fifo=False, locked=False), said.append)
     assert period == pytest.approx(1 / 30)
     assert "no real-time priority" in said[0]
     assert said[1].startswith("going at 30 setpoints a second, not 200: up to 7.0 ms late")

@@ -9,9 +9,12 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from . import run_program
+from .motion_words import add_udp
 
 if TYPE_CHECKING:
-    from splinearm.config import Job
+    from collections.abc import Callable
+
+    from splinearm.config import Cell, Job
     from splinearm.control.cycle import Cycle
     from splinearm.drivers.base import ArmDriver
     from splinearm.runner import PlannedJob, RunResult
@@ -37,6 +40,8 @@ class Files:
     """Every cycle, for Foxglove and PlotJuggler."""
     json: Path | None = None
     """The report."""
+    udp: str | None = None
+    """HOST:PORT where every cycle is sent."""
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -44,7 +49,8 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser = commands.add_parser(
         "run",
         help="carry out a job on a simulated or a real arm",
-        description="Carry out a job, or a motion that was saved. Ctrl-C slows the arm down along "
+        description="Carry out a job, of one motion or of pieces with a gripper, or a motion that "
+        "was saved. Ctrl-C slows the arm down along "
         "its path; it then holds. A person at a terminal is asked whether to go on from there.",
         epilog=_CODES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -83,6 +89,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument(
         "--realtime", action="store_true", help="let the MuJoCo arm keep pace with the clock"
     )
+    add_udp(parser)
     run_program.add_words(parser)
     parser.set_defaults(run=run)
 
@@ -91,6 +98,7 @@ def run(args: argparse.Namespace) -> int:
     """Plan, move, report."""
     from splinearm.config import load_cell
     from splinearm.runner import plan_job
+    from splinearm.sequence import is_sequence
 
     from .files import require_new
 
@@ -104,16 +112,30 @@ def run(args: argparse.Namespace) -> int:
         cell = load_cell(job.arm)
         if job.program is not None:
             return run_program.run_job(job, cell, args)
+        if is_sequence(job):
+            return _run_sequence(job, cell, args)
         planned = plan_job(job, cell)
     else:
         planned = saved_motion(args)
-    files = Files(csv=args.csv, mcap=args.mcap, json=args.json)
+    files = Files(csv=args.csv, mcap=args.mcap, json=args.json, udp=args.udp)
     result = carry_out(planned, args.on, files, realtime=args.realtime)
     if args.plot is not None and result.recorder.cycles:
         draw(result, args.plot)
     if result.ending.fault is not None:
         raise result.ending.fault
     return exit_code(result)
+
+
+def _run_sequence(job: "Job", cell: "Cell", args: argparse.Namespace) -> int:
+    """Carry out a job of more than one motion."""
+    from splinearm.errors import ConfigError
+
+    from .run_sequence import run_job
+
+    if args.plot is not None:
+        raise ConfigError("--plot", "", "draws one motion, and this job is more; leave it out")
+    files = Files(csv=args.csv, mcap=args.mcap, json=args.json, udp=args.udp)
+    return run_job(job, cell, args.on, files, realtime=args.realtime)
 
 
 def read_job(args: argparse.Namespace) -> "Job":
@@ -149,15 +171,19 @@ def carry_out(
     from splinearm.backends import open_arm
     from splinearm.runner import carry_out_job, resume
 
+    from .motion_words import watching
     from .output import console
 
     job, cell = planned.job, planned.cell
-    with open_arm(
-        cell, where, realtime=realtime, rate=job.rate, feedforward=job.feedforward
-    ) as station:
+    with (
+        watching(files.udp, cell) as send,
+        open_arm(
+            cell, where, realtime=realtime, rate=job.rate, feedforward=job.feedforward
+        ) as station,
+    ):
         duration = planned.plan.trajectory.duration
         console.print(f"{job.title} on {cell.arm.name}, {station.where}: {duration:.2f} s")
-        with _Bar(duration) as bar:
+        with _Bar(duration, send) as bar:
             result = carry_out_job(
                 planned,
                 station,
@@ -171,7 +197,8 @@ def carry_out(
             if not _is_taken_up(result, station.driver):
                 continue
             rest = result.ending.stopped
-            with _Bar(0.0 if rest is None else rest.trajectory.duration - rest.t) as bar:
+            left = 0.0 if rest is None else rest.trajectory.duration - rest.t
+            with _Bar(left, send) as bar:
                 result = resume(result, station, observe=bar.show, announce=console.print)
             _report(result, Files(json=files.json))
     return result
@@ -215,8 +242,10 @@ def _is_taken_up(result: "RunResult", driver: "ArmDriver") -> bool:
 class _Bar:
     """A progress bar that is drawn only when it is told of a cycle: no thread of its own."""
 
-    def __init__(self, duration: float) -> None:
+    def __init__(self, duration: float, send: "Callable[[Cycle], object]") -> None:
         from .output import progress
+
+        self._send = send
 
         self._duration = duration
         self._bar = progress()
@@ -240,7 +269,8 @@ class _Bar:
         self._bar.stop()
 
     def show(self, cycle: "Cycle") -> None:
-        """Be as far as a cycle."""
+        """Be as far as a cycle, and pass it on."""
+        self._send(cycle)
         if cycle.t - self._shown < _REDRAWN:
             return
         self._shown = cycle.t

@@ -119,6 +119,7 @@ def carry_out(planned: "PlannedProgram", args: argparse.Namespace) -> "tuple[Run
     from splinearm.backends import open_arm
     from splinearm.machining import carry_out_program, require_nobody
 
+    from .motion_words import watching
     from .output import console, progress
     from .report import print_report
 
@@ -126,9 +127,12 @@ def carry_out(planned: "PlannedProgram", args: argparse.Namespace) -> "tuple[Run
     is_person = sys.stdin.isatty() and sys.stdout.isatty()
     if not is_person:
         require_nobody(planned)
-    with open_arm(
-        cell, args.on, realtime=args.realtime, rate=job.rate, feedforward=job.feedforward
-    ) as station:
+    with (
+        watching(args.udp, cell) as send,
+        open_arm(
+            cell, args.on, realtime=args.realtime, rate=job.rate, feedforward=job.feedforward
+        ) as station,
+    ):
         console.print(
             f"{args.job} on {cell.arm.name}, {station.where}: {planned.duration:.2f} s, "
             f"{planned.placed.itinerary.length * 1e3:.0f} mm"
@@ -140,6 +144,7 @@ def carry_out(planned: "PlannedProgram", args: argparse.Namespace) -> "tuple[Run
         ]
 
         def show(part: int, cycle: "Cycle") -> None:
+            send(cycle)
             if cycle.t - bar.tasks[part].completed >= _SHOWN:
                 bar.update(tasks[part], completed=cycle.t)
                 bar.refresh()

@@ -13,3 +13,5 @@ from .job import load_job as load_job
 from .motion import SavedMotion as SavedMotion
 from .motion import load_motion as load_motion
 from .motion import save_motion as save_motion
+from .piece import GripAction as GripAction
+from .piece import Piece as Piece

@@ -19,6 +19,8 @@ The keys of an arm file (``schema = "splinearm-arm/1"``)::
                                 "full" (default), "velocity" or "off": what goals are ahead by
     [[servo]]                   name id model, role ("leader" "shadow" "gripper"), joint,
                                 zero_ticks (or "calibrate"), supply_v if not the bus's
+                                a gripper's: open_ticks closed_ticks (or "calibrate") and
+                                closing_force_percent, of its stall torque (default 25)
     [servo.registers]           raw register values by the register's name: drive_mode = 1
     [poses]                     NAME_deg, one number a joint; home_deg must be there
 

@@ -21,6 +21,8 @@ The keys of a job file (``schema = "splinearm-job/1"``)::
         feedforward         "off", "velocity" or "full": by what servos' goals are ahead of their
                             setpoints; without it as the arm's file says
         position_tolerance_mm   how far the tool may be off the wanted curve (default 0.02)
+        timing              of pieces that were taught: "recorded" (default) or "fastest"
+        times               how often all of it is carried out (default 1), or "endless"
     [tolerance]             how far the arm may be off before it is stopped; all optional, each one
                             number for all joints or a list with one a joint; joints that slide
                             have keys in ..._deg_mm with one number a joint
@@ -31,6 +33,9 @@ The keys of a job file (``schema = "splinearm-job/1"``)::
         settle_s            how long a joint may take to get there (default 1)
     toolpath                an NC program in place of waypoints; [place] says where it lies, as
                             splinearm.config.nc_program has it
+    [[piece]]               pieces in place of waypoints, carried out one after the other, as
+                            splinearm.config.piece has them; the arm goes slowly from the end of
+                            one to the begin of the next where these differ
     [[waypoint]]            in order; where, and what differs from [motion]
         position_mm, and quat_wxyz or rpy_deg if the orientation matters; or joints_deg
         through, facing, speed_mm_s
@@ -40,6 +45,8 @@ The keys of a job file (``schema = "splinearm-job/1"``)::
         turns               full turns besides (default 0)
         blend_mm            how near to the corner here rounding it may begin (0: it stops there)
         stop, dwell_s       whether to stop here, and for how long
+        gripper             what the gripper does here; the arm stops for it, see
+                            splinearm.config.piece for this key and those that go with it
         name
 
 Poses are those of the tool in the arm's base frame. For an arm with sliding joints the keys are
@@ -58,11 +65,13 @@ import numpy as np
 from splinearm.arrays import FloatArray
 from splinearm.drivers.feedforward import KINDS
 from splinearm.kinematics import Pose
+from splinearm.trajectories.taught import TIMINGS, Timing
 from splinearm.trajectories.waypoint import ArcAbout, ArcThrough, Facing, Move, Waypoint
 
 from .cell import Cell, load_cell, read_positions, shipped_arms
 from .frame import read_quat
 from .nc_program import NcProgram, read_program
+from .piece import GripAction, Piece, read_grip, read_pieces, start_of
 from .reader import Table, read_file
 from .unit import positions_key
 
@@ -71,6 +80,7 @@ JOB_SCHEMA = "splinearm-job/1"
 
 _MOVES = [move.value for move in Move]
 _FACINGS = [facing.value for facing in Facing]
+_MOST_TIMES = 1_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -107,6 +117,14 @@ class Job:
     """By what servos' goals are ahead of their setpoints; None: as the arm's file says."""
     program: NcProgram | None = None
     """The NC program that it carries out in place of waypoints; None: it has waypoints."""
+    grips: Mapping[int, GripAction] = field(default_factory=dict)
+    """By number of a waypoint, from 0, what the gripper does there."""
+    pieces: tuple[Piece, ...] = ()
+    """What it carries out in place of waypoints, one after the other."""
+    timing: Timing | None = None
+    """How quick motions are that were taught; None: as they were recorded."""
+    times: int | None = 1
+    """How often all of it is carried out; None: without end."""
     tolerances: Mapping[str, FloatArray] = field(default_factory=dict)
     """How far joints may be off while they move, by what of ``Tolerances`` the file says, each of
     shape (n,): ``start``, ``path`` and ``goal`` in rad or m, ``lag`` and ``settle`` in s."""
@@ -136,23 +154,31 @@ def load_job(path: str | PathLike[str], *, arm: str | PathLike[str] | None = Non
     root = read_file(file, JOB_SCHEMA)
     name, title = root.text("name"), root.text("title")
     cell = _load_arm(root, file, arm)
+    says_start = any(
+        key in root for key in ("start", positions_key("start", cell.arm.limits.kinds))
+    )
     q_start = _read_start(root, cell)
     motion, waypoint_tables = root.table("motion"), root.tables("waypoint")
+    piece_tables = root.tables("piece")
     tolerances = _read_tolerances(root.table("tolerance"), cell)
     program = read_program(root, file)
     root.finish()
-    if program is not None and waypoint_tables:
-        raise root.refuse("waypoint", "contradicts toolpath; take one of them out")
-    if program is None and not waypoint_tables:
-        raise root.refuse("waypoint", "is missing; give a [[waypoint]] table for each place")
+    _require_one_kind(root, program, waypoint_tables, piece_tables)
+    pieces = read_pieces(piece_tables, file, cell, lambda other: load_job(other, arm=cell.file))
+    begins = None if says_start else start_of(pieces)
     usual = _read_usual(motion)
+    waypoints = [_read_waypoint(table, cell, usual) for table in waypoint_tables]
     job = Job(
         name=name,
         title=title,
         file=file,
         arm=cell.file,
-        q_start=q_start,
-        waypoints=tuple(_read_waypoint(table, cell, usual) for table in waypoint_tables),
+        q_start=q_start if begins is None else begins,
+        waypoints=tuple(waypoint for waypoint, _ in waypoints),
+        grips=MappingProxyType({i: grip for i, (_, grip) in enumerate(waypoints) if grip}),
+        pieces=pieces,
+        timing=_read_timing(motion),
+        times=_read_times(motion, program),
         closed=motion.flag("closed"),
         limits_share=motion.number("limits_percent", 1.0, above=0.0, high=1.0),
         jerk_time=_optional(motion, "jerk_time_s"),
@@ -166,6 +192,38 @@ def load_job(path: str | PathLike[str], *, arm: str | PathLike[str] | None = Non
     )
     motion.finish()
     return job
+
+
+def _require_one_kind(
+    root: Table,
+    program: NcProgram | None,
+    waypoints: list[Table],
+    pieces: list[Table],
+) -> None:
+    """Refuse a job that says nothing of what to do, or says it in two ways."""
+    kinds = {"toolpath": program is not None, "waypoint": waypoints, "piece": pieces}
+    given = [key for key, is_there in kinds.items() if is_there]
+    if not given:
+        raise root.refuse("waypoint", "is missing; give a [[waypoint]] table for each place")
+    if len(given) > 1:
+        raise root.refuse(given[1], f"contradicts {given[0]}; take one of them out")
+
+
+def _read_timing(motion: Table) -> Timing | None:
+    """Read how quick taught motions are."""
+    if "timing" not in motion:
+        return None
+    named = motion.choice("timing", TIMINGS)
+    return next(timing for timing in TIMINGS if timing == named)
+
+
+def _read_times(motion: Table, program: NcProgram | None) -> int | None:
+    """Read how often all of it is carried out."""
+    if "times" not in motion:
+        return 1
+    if program is not None:
+        raise motion.refuse("times", "is not for toolpaths, which cut their work once")
+    return motion.integer_or("times", "endless", low=1, high=_MOST_TIMES)
 
 
 def _read_tolerances(table: Table, cell: Cell) -> Mapping[str, FloatArray]:
@@ -244,7 +302,8 @@ def _optional(table: Table, key: str, *, high: float | None = None) -> float | N
     return table.number(key, above=0.0, high=high) if key in table else None
 
 
-def _read_waypoint(table: Table, cell: Cell, usual: _Motion) -> Waypoint:
+def _read_waypoint(table: Table, cell: Cell, usual: _Motion) -> tuple[Waypoint, GripAction | None]:
+    """Read a waypoint, and what the gripper does there."""
     name = table.text("name", "")
     pose, position, q = _read_place(table, cell)
     move = Move(table.choice("through", _MOVES, usual.move))
@@ -255,10 +314,12 @@ def _read_waypoint(table: Table, cell: Cell, usual: _Motion) -> Waypoint:
     stop = table.flag("stop")
     facing = _read_facing(table, usual, move, position)
     arc = _read_arc(table, move)
+    grip = read_grip(table)
     table.finish()
     if blend > 0.0:
-        _check_blend(table, move, "stop" if stop else "dwell_s" if dwell > 0.0 else None)
-    return Waypoint(
+        resting = {"stop": stop, "dwell_s": dwell > 0.0, "gripper": grip is not None}
+        _check_blend(table, move, next((key for key, rests in resting.items() if rests), None))
+    waypoint = Waypoint(
         pose=pose,
         position=position,
         q=q,
@@ -267,10 +328,11 @@ def _read_waypoint(table: Table, cell: Cell, usual: _Motion) -> Waypoint:
         facing=facing,
         speed=speed,
         blend=blend,
-        stop=stop,
+        stop=stop or grip is not None,
         dwell=dwell,
         name=name,
     )
+    return waypoint, grip
 
 
 def _read_facing(table: Table, usual: _Motion, move: Move, position: FloatArray | None) -> Facing:

@@ -51,6 +51,10 @@ class Table:
         """Whether the file gives a list there."""
         return key in self and isinstance(self._values[key], list)
 
+    def is_text(self, key: str) -> bool:
+        """Whether the file gives a text there."""
+        return key in self and isinstance(self._values[key], str)
+
     def number(
         self,
         key: str,
@@ -104,6 +108,29 @@ class Table:
         )
         units = joint_units(kinds)
         return np.array([self._si(key, listed[i], unit, i) for i, unit in enumerate(units)])
+
+    def every_number(self, key: str) -> FloatArray:
+        """Give a list of finite numbers, however many, in SI, shape (k,)."""
+        unit = unit_of(key)
+        listed = self._any_list(key, f"numbers{unit}")
+        return np.array([self._si(key, value, unit, i) for i, value in enumerate(listed)])
+
+    def every_position(
+        self, stem: str, names: Sequence[str], kinds: Sequence[JointKind]
+    ) -> FloatArray:
+        """Give a list of lists with one position a joint, however many, rad or m, shape (k, n).
+
+        The key is as for ``positions``.
+        """
+        key = positions_key(stem, kinds)
+        wanted = f"lists of {len(names)} numbers, one a joint ({', '.join(names)})"
+        units, rows = joint_units(kinds), []
+        for k, row in enumerate(self._any_list(key, wanted)):
+            if not isinstance(row, list) or len(row) != len(names):
+                raise self.refuse(f"{key}[{k}]", f"wants {wanted}, got {_shown(row)}")
+            each = zip(row, units, strict=True)
+            rows.append([self._si(f"{key}[{k}]", value, u, i) for i, (value, u) in enumerate(each)])
+        return np.array(rows).reshape(-1, len(names))
 
     def integer(
         self,
@@ -216,10 +243,14 @@ class Table:
         hint = f"; is {near!r} meant to be it?" if near else ""
         raise self.refuse(key, f"is missing; give {wanted}{hint}")
 
-    def _list(self, key: str, wanted: str, length: int) -> list[object]:
+    def _any_list(self, key: str, wanted: str) -> list[object]:
         value = self._value(key, wanted)
         if not isinstance(value, list):
             raise self.refuse(key, f"wants {wanted}, got {self._shown(key)}")
+        return value
+
+    def _list(self, key: str, wanted: str, length: int) -> list[object]:
+        value = self._any_list(key, wanted)
         if len(value) != length:
             raise self.refuse(key, f"wants {wanted}, got {len(value)}: {self._shown(key)}")
         return value

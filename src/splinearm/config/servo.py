@@ -8,10 +8,16 @@ from math import isinf
 import numpy as np
 
 from splinearm.drivers.chain import MAX_SERVO_ID, ServoChain, ServoRole, ServoSpec
+from splinearm.drivers.grip import FORCE, Grip
 from splinearm.drivers.health_limit import HealthLimits
 from splinearm.drivers.model import ServoModel, servo_model, servo_models
 from splinearm.drivers.registers import Register
-from splinearm.drivers.scaling import MULTI_TURN_MODES, JointScale, operating_mode
+from splinearm.drivers.scaling import (
+    MULTI_TURN_MODES,
+    JointScale,
+    operating_mode,
+    position_range,
+)
 from splinearm.errors import LimitError
 from splinearm.joints import JointKind
 from splinearm.units import DEG, RPM
@@ -186,6 +192,7 @@ def _read_servo(table: Table, supply: float | None, joints: Sequence[str]) -> Se
     registers = table.table("registers")
     settings = _read_settings(registers, model)
     health = _read_health(table.table("health"), model)
+    grip = _read_grip(table, model) if role is ServoRole.GRIPPER else None
     own_supply = table.number("supply_v", above=0.0) if "supply_v" in table else supply
     table.finish()
     if own_supply is None:
@@ -199,8 +206,36 @@ def _read_servo(table: Table, supply: float | None, joints: Sequence[str]) -> Se
         zero_ticks=zero,
         settings=settings,
         health=health,
+        grip=grip,
     )
+    if grip is not None:
+        _check_travel(spec, grip, table)
     return Servo(spec, own_supply, table)
+
+
+def _read_grip(table: Table, model: ServoModel) -> Grip:
+    """Read where a gripper is open and closed, and how hard it closes."""
+    far = _TURNS * model.pulses
+    ends = {
+        key: table.integer_or(key, "calibrate", low=-far, high=far) if key in table else None
+        for key in ("open_ticks", "closed_ticks")
+    }
+    force = table.number("closing_force_percent", FORCE, above=0.0, high=1.0)
+    with table.blaming("open_ticks"):
+        return Grip(**ends, force=force)
+
+
+def _check_travel(spec: ServoSpec, grip: Grip, table: Table) -> None:
+    """Refuse ends of a gripper's travel that its servo would not take."""
+    with table.blaming("registers.operating_mode"):
+        low, high = position_range(spec)
+    for key, ticks in (("open_ticks", grip.open_ticks), ("closed_ticks", grip.closed_ticks)):
+        if ticks is not None and not low <= ticks <= high:
+            raise table.refuse(
+                key,
+                f"{ticks} is beyond where the servo ends, {low} to {high}; correct it, or let the "
+                "servo's registers allow it",
+            )
 
 
 def _read_health(table: Table, model: ServoModel) -> HealthLimits:
