@@ -24,6 +24,7 @@ def guide(
     stop: StopRequest | None = None,
     rate: float = 100.0,
     observe: Callable[[JointState], object] | None = None,
+    bridge: int = 3,
 ) -> FloatArray:
     """Let a hand lead an open arm until Ctrl-C, SIGTERM or ``stop``; then hold it.
 
@@ -36,6 +37,7 @@ def guide(
         stop: Where another thread may ask for an end.
         rate: Cycles a second, Hz.
         observe: Gets what was read in every cycle, in the loop: it must be quick.
+        bridge: Cycles without an answer in which the arm stays at its goals; one more ends it.
 
     Returns:
         Where the arm is held in the end, shape (n,), rad.
@@ -60,7 +62,7 @@ def guide(
         stop if stop is not None else StopRequest() as request,
         real_time(),
         GravityCompensation(
-            station.driver, ahead, cell.arm.limits, feel, period=period
+            station.driver, ahead, cell.arm.limits, feel, period=period, bridge=bridge
         ) as compensation,
     ):
         due = clock.now()

@@ -172,9 +172,7 @@ def _still(path: JointPath, s: float, dwell: float) -> Section:
     return Section(path, TimeLaw(np.array([s]), np.zeros(1)), dwell)
 
 
-def _planned(
-    sections: Iterable[Section], path: JointPath, arm: Arm, limits: MotionLimits
-) -> Plan:
+def _planned(sections: Iterable[Section], path: JointPath, arm: Arm, limits: MotionLimits) -> Plan:
     """Give the plan of sections of one path."""
     q = path.at(path.domain[0])[0]
     motion = JointTrajectory(tuple(sections), q, limits.joints)
