@@ -34,7 +34,7 @@ def print_arm(cell: "Cell", convention: str | None) -> None:
         wanted = DHConvention(convention)
     _print_dh(arm, wanted)
     _print_limits(arm.limits)
-    low, high, farthest = _box(arm)
+    low, high, farthest = reach_of(arm)
     sides = ", ".join(
         f"{axis} {a / MM:.0f} to {b / MM:.0f}" for axis, a, b in zip("xyz", low, high, strict=True)
     )
@@ -149,7 +149,7 @@ def _print_limits(limits: JointLimits) -> None:
     console.print(table(columns, rows, title="limits"))
 
 
-def _box(arm: Arm) -> tuple["np.ndarray[tuple[int], np.dtype[np.float64]]", ...]:
+def reach_of(arm: Arm) -> tuple["np.ndarray[tuple[int], np.dtype[np.float64]]", ...]:
     """Give how low, how high and how far from the base the tool comes."""
     low = np.where(np.isfinite(arm.limits.q_min), arm.limits.q_min, -np.pi)
     high = np.where(np.isfinite(arm.limits.q_max), arm.limits.q_max, np.pi)

@@ -1,7 +1,14 @@
 """``splinearm arms``: the arms that are shipped; one of them in full, compared, or mapped."""
 
 import argparse
+import json
+from contextlib import nullcontext
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from splinearm.kinematics import Arm
+    from splinearm.kinematics.reach import ReachMap
 
 _ARM = "a shipped arm, or a file: TOML, URDF (.urdf) or MJCF (.xml)"
 
@@ -13,6 +20,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         help="list the shipped arms; show, compare or map one",
         description="List the shipped arms, or look at one.",
     )
+    parser.add_argument("--json", action="store_true", help="print it for programs")
     parser.set_defaults(run=run)
     looks = parser.add_subparsers(title="looks", metavar="LOOK")
     show = looks.add_parser(
@@ -29,6 +37,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     )
     _add_tip(show)
     show.add_argument("--plot", type=Path, default=None, metavar="FILE", help="draw a PNG")
+    _add_json(show)
     show.set_defaults(run=run_show)
     compare = looks.add_parser(
         "compare",
@@ -40,8 +49,16 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     compare.add_argument("other", metavar="B", help="another")
     _add_tip(compare)
     compare.add_argument("--tip-b", default=None, metavar="NAME", help="the same for B")
+    _add_json(compare)
     compare.set_defaults(run=run_compare)
     _add_reach(looks)
+
+
+def _add_json(parser: argparse.ArgumentParser) -> None:
+    # where it is not said here, what was said before the look stays
+    parser.add_argument(
+        "--json", action="store_true", default=argparse.SUPPRESS, help="print it for programs"
+    )
 
 
 def _add_tip(parser: argparse.ArgumentParser) -> None:
@@ -72,6 +89,7 @@ def _add_reach(looks: "argparse._SubParsersAction[argparse.ArgumentParser]") -> 
     )
     reach.add_argument("--out", type=Path, default=None, metavar="FILE", help="write .npz or .csv")
     reach.add_argument("--plot", type=Path, default=None, metavar="FILE", help="draw a PNG")
+    _add_json(reach)
     reach.set_defaults(run=run_reach)
 
 
@@ -81,9 +99,14 @@ def run(args: argparse.Namespace) -> int:
 
     from .output import console, table
 
+    cells = [load_cell(name) for name in shipped_arms()]
+    if args.json:
+        from .arm_document import list_document
+
+        print(json.dumps(list_document(cells), indent=2))
+        return 0
     rows = []
-    for name in shipped_arms():
-        cell = load_cell(name)
+    for name, cell in zip(shipped_arms(), cells, strict=True):
         servos = cell.chain.servos if cell.chain is not None else ()
         models = sorted({servo.model for servo in servos})
         convention = cell.arm.convention.value if cell.arm.convention is not None else "frames"
@@ -107,12 +130,18 @@ def run_show(args: argparse.Namespace) -> int:
 
     require_new(picture=args.plot)
     cell = load_cell(args.arm, tip=args.tip)
-    print_arm(cell, args.convention)
+    if args.json:
+        from .arm_document import arm_document
+
+        print(json.dumps(arm_document(cell, args.convention), indent=2))
+    else:
+        print_arm(cell, args.convention)
     if args.plot is not None:
         from splinearm.viewer.arm import plot_arm
 
         plot_arm(args.plot, cell.arm, cell.poses["home"], f"{cell.title}, at home")
-        console.print(f"picture: {args.plot}")
+        if not args.json:
+            console.print(f"picture: {args.plot}")
     return 0
 
 
@@ -129,6 +158,11 @@ def run_compare(args: argparse.Namespace) -> int:
         found = compare(a.arm, b.arm)
     except ValueError as error:
         raise ConfigError(args.other, "", str(error).removeprefix("arms: ")) from error
+    if args.json:
+        from .arm_document import comparison_document
+
+        print(json.dumps(comparison_document(a, b, found), indent=2))
+        return 0 if found.same else 1
     console.print(f"A: {a.title} ({a.file.name})\nB: {b.title} ({b.file.name})", highlight=False)
     for words in found.differences:
         console.print(f"  - {words}", highlight=False, markup=False)
@@ -141,41 +175,58 @@ def run_compare(args: argparse.Namespace) -> int:
 
 def run_reach(args: argparse.Namespace) -> int:
     """Compute a map with progress; write and draw it."""
-    import os
-
     from splinearm.config import load_cell
     from splinearm.errors import ConfigError
-    from splinearm.kinematics.reach import reach_map
-    from splinearm.units import MM
     from splinearm.viewer.reach import plot_reach, write_reach
 
     from .arm_report import print_reach
     from .files import require_new
-    from .output import console, progress
+    from .output import console
 
     require_new(rows=args.out, picture=args.plot)
     if args.out is not None and args.out.suffix not in (".npz", ".csv"):
         raise ConfigError(args.out, "", "want a name that ends in .npz or .csv")
-    arm = load_cell(args.arm, tip=args.tip).arm
-    processes = (os.cpu_count() or 1) if args.processes is None else args.processes
-    spacing = None if args.spacing_mm is None else args.spacing_mm * MM
-    with progress() as bar:
-        task = bar.add_task(f"where {arm.name} reaches", total=1.0)
+    found = _reach_map(load_cell(args.arm, tip=args.tip).arm, args)
+    if args.json:
+        from .arm_document import reach_document
+
+        print(json.dumps(reach_document(found), indent=2))
+    else:
+        print_reach(found)
+    if args.out is not None:
+        write_reach(args.out, found)
+    if args.plot is not None:
+        plot_reach(args.plot, found)
+    for what, file in (("map", args.out), ("picture", args.plot)):
+        if file is not None and not args.json:
+            console.print(f"{what}: {file}")
+    return 0
+
+
+def _reach_map(arm: "Arm", args: argparse.Namespace) -> "ReachMap":
+    """Compute the map; a person sees how far it is."""
+    import os
+
+    from splinearm.errors import ConfigError
+    from splinearm.kinematics.reach import reach_map
+    from splinearm.units import MM
+
+    from .output import progress
+
+    with progress() if not args.json else nullcontext() as bar:
+        task = None if bar is None else bar.add_task(f"where {arm.name} reaches", total=1.0)
+
+        def tell(share: float) -> None:
+            if bar is not None and task is not None:
+                bar.update(task, completed=share)
+
         try:
-            found = reach_map(
+            return reach_map(
                 arm,
-                spacing=spacing,
+                spacing=None if args.spacing_mm is None else args.spacing_mm * MM,
                 orientations=args.orientations,
-                processes=processes,
-                progress=lambda share: bar.update(task, completed=share),
+                processes=args.processes if args.processes is not None else os.cpu_count() or 1,
+                progress=tell,
             )
         except ValueError as error:
             raise ConfigError("reach", "", str(error)) from error
-    print_reach(found)
-    if args.out is not None:
-        write_reach(args.out, found)
-        console.print(f"map: {args.out}")
-    if args.plot is not None:
-        plot_reach(args.plot, found)
-        console.print(f"picture: {args.plot}")
-    return 0

@@ -1,6 +1,13 @@
 """``splinearm guide ARM``: lead an arm by hand."""
 
 import argparse
+import json
+import sys
+
+from .port_words import add_port, port_of
+
+SCHEMA = "splinearm-guide/1"
+"""What the document of ``--json`` says it is."""
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -13,14 +20,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "What the arm carries must be in its file, else it sinks slowly.",
     )
     parser.add_argument("arm", help="the arm's file, or the name of an arm that is shipped")
+    add_port(parser)
     parser.add_argument(
-        "--port", default=None, metavar="P", help="the serial port (default: the arm file's)"
-    )
-    parser.add_argument(
-        "--on",
-        choices=("virtual",),
-        default=None,
-        help="virtual: servos on a virtual bus instead of a port",
+        "--json", action="store_true", help="print for programs where the arm is held in the end"
     )
     parser.set_defaults(run=run)
 
@@ -29,20 +31,25 @@ def run(args: argparse.Namespace) -> int:
     """Open, lead, hold."""
     from splinearm.backends import open_arm, require_chain
     from splinearm.config import load_cell
-    from splinearm.errors import ConfigError
     from splinearm.guiding import guide
 
     from .output import console
 
+    def tell(words: str) -> None:
+        if args.json:  # what a program reads is only where the arm is in the end
+            print(words, file=sys.stderr)
+        else:
+            console.print(words, markup=False)
+
     cell = load_cell(args.arm)
-    where = args.on or args.port or require_chain(cell).usual_port
-    if where is None:
-        raise ConfigError(
-            cell.file, "bus.usual_port", "says no port; name one with --port, or use --on virtual"
-        )
+    require_chain(cell)
+    where = port_of(args, cell, announce=tell)
     with open_arm(cell, where, feedforward="full") as station:
-        console.print(f"{cell.arm.name}, {station.where}: lead it by hand; Ctrl-C ends and holds")
-        goal = guide(station, cell)
-    angles = ", ".join(f"{angle:.1f}" for angle in cell.to_file_units(goal))
-    console.print(f"the arm holds at {angles}")
+        tell(f"{cell.arm.name}, {station.where}: lead it by hand; Ctrl-C ends and holds")
+        angles = cell.to_file_units(guide(station, cell)).tolist()
+    if args.json:
+        held = dict(zip(cell.arm.joint_names, angles, strict=True))
+        print(json.dumps({"schema": SCHEMA, "arm": cell.name, "holds_at": held}))
+    else:
+        tell(f"the arm holds at {', '.join(f'{angle:.1f}' for angle in angles)}")
     return 0

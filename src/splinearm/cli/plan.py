@@ -1,6 +1,7 @@
 """``splinearm plan JOB``: what a job's motion would be; nothing moves."""
 
 import argparse
+import json
 from pathlib import Path
 
 
@@ -26,6 +27,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument(
         "--rate", type=float, default=None, metavar="HZ", help="rows a second in .ros.json and .csv"
     )
+    parser.add_argument("--json", action="store_true", help="print it for programs")
     parser.set_defaults(run=run)
 
 
@@ -46,14 +48,20 @@ def run(args: argparse.Namespace) -> int:
     job = load_job(args.job)
     rate = job.rate if args.rate is None else rate_of(args.rate)
     planned = plan_job(job, load_cell(job.arm))
-    console.print(f"{job.title} on {planned.cell.arm.name}")
-    print_plan(planned)
+    if args.json:
+        from .plan_document import plan_document
+
+        print(json.dumps(plan_document(planned, args.job), indent=2))
+    else:
+        console.print(f"{job.title} on {planned.cell.arm.name}")
+        print_plan(planned)
     if args.save is not None:
         save_motion(args.save, planned.plan.trajectory, arm=planned.cell.name, rate=rate)
-        console.print(f"motion: {args.save}")
     if args.plot is not None:
         from splinearm.viewer.plot import plot_plan
 
         plot_plan(args.plot, planned)
-        console.print(f"picture: {args.plot}")
+    for what, file in (("motion", args.save), ("picture", args.plot)):
+        if file is not None and not args.json:
+            console.print(f"{what}: {file}")
     return 0
