@@ -5,6 +5,7 @@ servos do is one of these; each keeps its facts as fields in SI and speaks in th
 
     SplinearmError
     ├── ConfigError               a file says something that cannot be used
+    ├── CalibrationError          an arm cannot be calibrated as it is mounted, or as it was moved
     ├── KinematicsError
     │   ├── UnreachableError      no joint angles within the limits reach the pose
     │   ├── PathError             no branch follows a path of the tool to its end
@@ -13,6 +14,7 @@ servos do is one of these; each keeps its facts as fields in SI and speaks in th
     │   ├── LimitError            a motion would break a limit of a joint
     │   │   └── HoldError         a joint cannot hold the arm somewhere on its path
     │   └── CurveError            a curve that cannot be made or asked there
+    │       └── StillError        nothing moves in a recording
     ├── ToolpathError
     │   ├── DrawingError          a drawing cannot be read or cut
     │   ├── ContourError          contours cross or lie where they cannot
@@ -26,10 +28,11 @@ servos do is one of these; each keeps its facts as fields in SI and speaks in th
     │   ├── PacketError           bytes came that were not the awaited ones
     │   └── ServoError            a servo refused, reported a fault or is not as the file says
     │       └── HealthError       a servo is too hot, badly fed or overloaded to go on
-    └── MotionError
-        ├── StartError            the arm is not where the motion starts
-        ├── FollowingError        the arm does not keep up with the motion
-        └── StaleFeedbackError    what the arm last said is too old
+    ├── MotionError
+    │   ├── StartError            the arm is not where the motion starts
+    │   ├── FollowingError        the arm does not keep up with the motion
+    │   └── StaleFeedbackError    what the arm last said is too old
+    └── TerminalLostError         the terminal in which a command ran was closed
 """
 
 from math import pi
@@ -49,6 +52,15 @@ class ConfigError(SplinearmError):
         self.reason = reason
         where = f"{self.file}: {key}" if key else self.file
         super().__init__(f"{where}: {reason}")
+
+
+class CalibrationError(SplinearmError):
+    """An arm cannot be calibrated as it is mounted, or as it was moved."""
+
+    def __init__(self, whose: str, reason: str) -> None:
+        self.whose = whose
+        self.reason = reason
+        super().__init__(f"{whose} {reason}")
 
 
 class KinematicsError(SplinearmError):
@@ -208,6 +220,15 @@ class CurveError(TrajectoryError):
         self.what = what
         self.where = where
         super().__init__(f"{where}: {what}" if where else what)
+
+
+class StillError(CurveError):
+    """Nothing moves in a recording."""
+
+    def __init__(self, seconds: float) -> None:
+        """Take the facts: how long it is, s."""
+        self.seconds = seconds
+        super().__init__(f"nothing moves in it, {seconds:.1f} s long", "recording")
 
 
 class ToolpathError(SplinearmError):
@@ -493,3 +514,10 @@ class StaleFeedbackError(MotionError):
             f"no feedback for {age * 1e3:.0f} ms (allowed {allowed * 1e3:.0f} ms)"
             + (f": {cause}" if cause else "; check cable and power")
         )
+
+
+class TerminalLostError(SplinearmError):
+    """The terminal in which a command ran was closed."""
+
+    def __init__(self) -> None:
+        super().__init__("the terminal was closed")

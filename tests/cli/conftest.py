@@ -1,7 +1,19 @@
-"""Job and arm files to spoil, and the command line to feed them to."""
+"""Job and arm files to spoil, the command line to feed them to, and a terminal to see it in."""
 
+import fcntl
+import os
+import re
+import select
+import struct
+import subprocess
+import sys
+import termios
+import threading
+import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import pyte
 import pytest
 
 from splinearm.cli.main import main
@@ -132,3 +144,140 @@ def cli(tmp_path, capsys, monkeypatch) -> CommandLine:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "160")
     return CommandLine(tmp_path, capsys)
+
+
+_KEYS = {
+    "enter": "\r",
+    "esc": "\x1b",
+    "tab": "\t",
+    "backspace": "\x7f",
+    "space": " ",
+    "up": "\x1b[A",
+    "down": "\x1b[B",
+    "right": "\x1b[C",
+    "left": "\x1b[D",
+    "ctrl-c": "\x03",
+}
+
+
+class Terminal:
+    """A command in a terminal of its own, as a person sees it."""
+
+    def __init__(self, command: Sequence[str], rows: int, columns: int, env: Mapping[str, str]):
+        self._master, slave = os.openpty()
+        self.resize(rows, columns)
+        self._seen = pyte.Screen(columns, rows)
+        self._stream = pyte.ByteStream(self._seen)
+        self._changed = threading.Condition()
+        self._ends = False
+        self.raw = b""
+        # a session's leader gets the first terminal that it opens as its own: then it gets Ctrl-C
+        opened = 'exec "$@" <>"$0" >&0 2>&1'
+        self.process = subprocess.Popen(
+            ["/bin/sh", "-c", opened, os.ttyname(slave), *command],
+            env={**os.environ, "TERM": "xterm-256color", **env},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        self._slave = slave  # open until the command has ended: else its last words would be lost
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    @property
+    def screen(self) -> str:
+        """What is on the screen, its lines without trailing blanks."""
+        with self._changed:
+            return "\n".join(line.rstrip() for line in self._seen.display).rstrip()
+
+    def type(self, text: str) -> None:
+        """Type a text."""
+        os.write(self._master, text.encode())
+
+    def press(self, *keys: str) -> None:
+        """Press keys by their names, one after the other."""
+        for key in keys:
+            self.type(_KEYS.get(key, key))
+
+    def wait_for(self, text: str, timeout: float = 20.0) -> str:
+        """Wait until a text, or what a regular expression finds, is on the screen; give that."""
+        due = time.monotonic() + timeout
+        with self._changed:
+            while True:
+                shown = self.screen
+                if text in shown:
+                    return text
+                if match := re.search(text, shown, re.MULTILINE):
+                    return match[0]
+                over = self.process.poll() is not None
+                if not self._changed.wait(min(due - time.monotonic(), 0.3)) and (
+                    over or time.monotonic() >= due
+                ):
+                    raise AssertionError(f"no {text!r} in {timeout} s on the screen:\n{shown}")
+
+    def signal(self, number: int) -> None:
+        """Send the command a signal."""
+        self.process.send_signal(number)
+
+    def resize(self, rows: int, columns: int) -> None:
+        """Make the window larger or smaller."""
+        fcntl.ioctl(self._master, termios.TIOCSWINSZ, struct.pack("4H", rows, columns, 0, 0))
+        if hasattr(self, "_seen"):
+            with self._changed:
+                self._seen.resize(rows, columns)
+
+    def hang_up(self) -> None:
+        """Close the terminal while the command runs, as a window or an ssh that is gone."""
+        self._end()
+
+    @property
+    def exit_code(self) -> int:
+        """How the command ended, waited for; a signal that killed it counts below zero."""
+        try:
+            return self.process.wait(20.0)
+        except subprocess.TimeoutExpired:
+            raise AssertionError(f"it does not end; on the screen:\n{self.screen}") from None
+
+    def close(self) -> None:
+        """Leave nothing behind."""
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        self._end()
+
+    def _end(self) -> None:
+        if self._ends:
+            return
+        self._ends = True
+        self._reader.join()
+        os.close(self._slave)
+        os.close(self._master)
+
+    def _read(self) -> None:
+        while not self._ends:
+            ready, _, _ = select.select([self._master], (), (), 0.02)
+            if not ready:
+                continue
+            data = os.read(self._master, 65536)
+            with self._changed:
+                self.raw += data
+                self._stream.feed(data)
+                self._changed.notify_all()
+
+
+@pytest.fixture
+def terminal():
+    """Starts a command in a terminal; of ``splinearm``, unless a whole ``command`` is given."""
+    opened: list[Terminal] = []
+
+    def start(*words, command=None, rows=30, columns=100, env=None) -> Terminal:
+        if command is None:
+            command = [sys.executable, "-m", "splinearm"]
+        whole = [*command, *(str(word) for word in words)]
+        opened.append(Terminal(whole, rows, columns, env or {}))
+        return opened[-1]
+
+    yield start
+    for each in opened:
+        each.close()

@@ -66,7 +66,8 @@ def test_a_socket_takes_orders_while_it_runs(start):
     assert port.startswith("unix:/")
     assert len(ping(port)) == 14
     order(bus, "dance")
-    assert "want fault, clear, unplug or plug in, got 'dance'" in bus.stdout.readline()
+    said = bus.stdout.readline()
+    assert "want fault, clear, unplug or plug in, connect, disconnect or power, got 'dan" in said
     order(bus, "unplug")
     order(bus, "plug in")
     other = port_of(bus)
@@ -95,3 +96,14 @@ def test_a_fault_that_there_is_not_is_refused(start):
     said = bus.communicate(timeout=20)[1]
     assert bus.returncode == 2
     assert "--fault" in said
+
+
+def test_cables_and_power_follow_orders(start):
+    bus = start("--transport", "socket", "--orders", "--until-eof", "--fresh")
+    port = port_of(bus)
+    assert ping(port) == b""
+    order(bus, "connect nobody")
+    assert "no servo 'nobody'; there are shoulder_pan" in bus.stdout.readline()
+    order(bus, "power off")
+    bus.stdin.close()
+    assert bus.wait(10) == 0

@@ -9,6 +9,7 @@ Nothing heavy is imported before a command is chosen: ``--help`` stays quick.
 
 import argparse
 import logging
+import os
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
@@ -23,9 +24,36 @@ from splinearm.errors import (
     StartError,
 )
 
-from . import arms, demo, doctor, gcode, guide, plan, recover, run, scan, toolpath, virtual_bus
+from . import (
+    arms,
+    backup,
+    calibrate,
+    completion,
+    demo,
+    doctor,
+    gcode,
+    guide,
+    jog,
+    monitor,
+    plan,
+    play,
+    recover,
+    restore,
+    run,
+    scan,
+    setup,
+    teach,
+    toolpath,
+    virtual_bus,
+)
 
 DONE, FAULT, REFUSED, INTERRUPTED = 0, 1, 2, 130
+
+_EPILOG = """New here? Run 'splinearm demo': it needs no hardware.
+An arm on the table? docs/hardware.md leads from the box to the first motion.
+
+exit codes: 0 done; 1 a fault stopped the motion, or what was looked at has something wrong;
+2 refused, nothing moved; 130 stopped by Ctrl-C. Most commands take --json."""
 
 
 class _Command(Protocol):
@@ -38,7 +66,22 @@ class _Command(Protocol):
 
 _COMMANDS: tuple[_Command, ...] = (
     *(demo, run, plan, toolpath, gcode, arms),
-    *(doctor, scan, recover, guide, virtual_bus),
+    *(
+        doctor,
+        scan,
+        setup,
+        backup,
+        restore,
+        calibrate,
+        monitor,
+        recover,
+        guide,
+        jog,
+        teach,
+        play,
+        virtual_bus,
+        completion,
+    ),
 )
 
 
@@ -47,7 +90,8 @@ def build_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="splinearm",
         description="Plan robot-arm motions as B-splines and carry them out.",
-        epilog="New here? Run 'splinearm demo': it needs no hardware.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="store_true", help="print the version and leave")
     parser.add_argument("-v", "--verbose", action="store_true", help="say more on the error stream")
@@ -60,6 +104,7 @@ def build_parser() -> argparse.ArgumentParser:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; give the exit code."""
     parser = build_parser()
+    completion.answer_shell(parser)
     args = parser.parse_args(argv)
     if args.version:
         from importlib.metadata import version
@@ -84,6 +129,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         _complain("stopped")
         return INTERRUPTED
+    except BrokenPipeError:  # who read what is printed has gone, as `head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAULT
 
 
 def _complain(words: str) -> None:
