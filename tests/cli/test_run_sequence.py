@@ -161,3 +161,18 @@ def test_a_gripper_that_is_not_calibrated_is_named_before_anything_moves(cli):
         assert "servo 9 (gripper): where it is open and where it is closed is not known" in line
         np.testing.assert_allclose(bus.q, before, atol=0.05)  # it hangs by its weight
         assert not bus.servos[9].torque_on
+
+
+def test_the_steps_of_a_job_of_pieces_are_planned_and_nothing_moves(cli):
+    job = cli.write("job.toml", HEAD + "[motion]\ntimes = 2\n" + WAVE + GRIP)
+    assert cli("plan", job) == DONE
+    for words in ("wave", "grab", "back to the begin", "duration: 2.200 s", "2 times"):
+        assert words in cli.out
+    assert cli("plan", job, "--json") == DONE
+    document = json.loads(cli.out)
+    assert [step["kind"] for step in document["steps"]] == ["motion", "gripper"]
+    assert document["back"]["kind"] == "transition"
+    assert 0.1 < document["back"]["uses_most"]["share"] <= 0.3 + 1e-9
+    assert cli("plan", job, "--plot", "a.png") == REFUSED
+    assert "--plot" in cli.err
+    assert cli.files() == {"job.toml"}

@@ -36,7 +36,9 @@ def run(args: argparse.Namespace) -> int:
     from splinearm.config import load_cell, load_job, save_motion
     from splinearm.config.motion import check_motion_file
     from splinearm.runner import plan_job
+    from splinearm.sequence import is_sequence
 
+    from . import plan_sequence
     from .files import require_new
     from .output import console
     from .report import print_plan
@@ -47,7 +49,10 @@ def run(args: argparse.Namespace) -> int:
         check_motion_file(args.save)
     job = load_job(args.job)
     rate = job.rate if args.rate is None else rate_of(args.rate)
-    planned = plan_job(job, load_cell(job.arm))
+    cell = load_cell(job.arm)
+    if is_sequence(job):
+        return plan_sequence.run(args, job, cell)
+    planned = plan_job(job, cell)
     if args.json:
         from .plan_document import plan_document
 
