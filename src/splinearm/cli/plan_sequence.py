@@ -53,11 +53,18 @@ def _use(step: "Step") -> str:
 
 
 def _highest(step: "Step") -> "LimitPeak | None":
-    """Give where a motion is nearest to the limit of a rate."""
+    """Give where a motion is nearest to the limit of a rate that the arm has."""
+    from splinearm.trajectories.limit import MotionLimits
+    from splinearm.trajectories.peak import peaks
+
     if step.planned is None:
         return None
-    peaks = [peak for peak in step.planned.plan.peaks() if peak.quantity != "position"]
-    return max(peaks, key=lambda peak: abs(peak.value / peak.limit))
+    limits = MotionLimits(joints=step.planned.cell.arm.limits)
+    rates = peaks(step.planned.plan.trajectory, limits)
+    return max(
+        (peak for peak in rates if peak.quantity != "position"),
+        key=lambda peak: abs(peak.value / peak.limit),
+    )
 
 
 def _document(planned: "PlannedSequence", job: str) -> dict[str, Any]:
