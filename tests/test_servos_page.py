@@ -6,8 +6,9 @@ import pytest
 @pytest.mark.bus
 @pytest.mark.kernel
 def test_the_python_of_the_page_runs(run_page, capsys):
-    assert run_page("servos.md") == 5
+    assert run_page("servos.md") == 6
     said = capsys.readouterr().out
     assert "FINISHED SUCCESSFUL" in said
     assert "recovered: servo 1" in said
     assert said.count("FINISHED") == 2
+    assert "gripper: " in said
