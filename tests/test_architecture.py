@@ -126,3 +126,12 @@ def test_every_module_can_be_imported_by_itself():
     for file in _sources():
         module = ".".join(file.relative_to(SOURCE.parent).with_suffix("").parts)
         importlib.import_module(module.removesuffix(".__init__"))
+
+
+def test_a_python_that_is_too_old_is_told_so_in_one_line():
+    code = 'import sys; sys.version_info = (3, 10, 4, "final", 0); import splinearm.cli.main'
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr == (
+        "splinearm: C01 Python is too old: this is 3.10.4; install Python 3.11 or newer\n"
+    )

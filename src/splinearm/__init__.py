@@ -4,8 +4,16 @@ This is the front door: the names below are the public ones, loaded when first u
 ``import splinearm`` loads nothing else.
 """
 
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING
+
+if sys.version_info < (3, 11):  # noqa: UP036 - a checkout may be run by any Python
+    found = ".".join(map(str, sys.version_info[:3]))
+    sys.stderr.write(
+        "splinearm: C01 Python is too old: this is " + found + "; install Python 3.11 or newer\n"
+    )
+    raise SystemExit(2)
 
 if TYPE_CHECKING:
     from .backends import open_arm as open_arm
