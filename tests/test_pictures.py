@@ -18,7 +18,17 @@ SHOWN = {
     for name in re.findall(r"!\[[^\]]+\]\(pictures/([^)]+)\)", page.read_text("utf-8"))
 }
 
+LONG = ("arc_length", "arc_move", "facing", "fit", "meeting", "motion_limits", "pace", "surface")
+"""Pictures of motions and searches: what they call is compiled for many seconds."""
+
 each_script = pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+each_drawn = pytest.mark.parametrize(
+    "script",
+    [
+        pytest.param(file, id=file.stem, marks=[pytest.mark.slow] * (file.stem in LONG))
+        for file in SCRIPTS
+    ],
+)
 
 
 def run(script, name):
@@ -46,7 +56,7 @@ def save():
             sys.modules[name] = before[name]
 
 
-@each_script
+@each_drawn
 def test_a_script_draws_its_picture(script, save, tmp_path):
     file = save(script, tmp_path)
     assert file.name == f"{script.stem}.svg"
