@@ -10,23 +10,9 @@ import numpy as np
 from splinearm.arrays import FloatArray
 
 from .piece import ArcPiece, Piece, is_full_circle
+from .wire import Wire as Wire
 
 _Spot = tuple[int, int]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Wire:
-    """Pieces one after the other, each beginning exactly where the one before it ends."""
-
-    pieces: tuple[Piece, ...]
-    """The pieces."""
-    closed: bool
-    """Whether the last ends where the first begins."""
-
-    @property
-    def length(self) -> float:
-        """How long it is, m."""
-        return sum(piece.length for piece in self.pieces)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
