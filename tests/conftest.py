@@ -20,6 +20,17 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "check"))
 DOCS = Path(__file__).parents[1] / "docs"
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Let files of the first and the second half take turns.
+
+    Neighbours are of one room and compile the same kernels: two workers would both do that.
+    """
+    files = list(dict.fromkeys(item.path for item in items))
+    half = (len(files) + 1) // 2
+    turns = {file: (i % half, i // half) for i, file in enumerate(files)}
+    items.sort(key=lambda item: turns[item.path])
+
+
 @pytest.fixture(scope="session", autouse=True)
 def user_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """The folder of a user's own files, empty at first: here and in what is started from here."""
