@@ -26,8 +26,11 @@ class MemoryBus:
     def __init__(self, servos, rng, noise=1):
         self.servos = {servo.servo_id: servo for servo in servos}
         self.rng, self.noise = rng, noise
-        self.writes = []
+        self.writes, self.group_writes = [], 0
         self.failing = 0
+
+    def speak(self, protocols):
+        pass
 
     def ping(self, servo_id):
         servo = self.servos[servo_id]
@@ -46,7 +49,7 @@ class MemoryBus:
         self.writes.append((servo_id, register.name, value))
 
     def sync_write(self, group, values):
-        pass
+        self.group_writes += 1
 
     def sync_read(self, group):
         if self.failing:

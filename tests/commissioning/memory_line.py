@@ -37,6 +37,7 @@ class MemoryLine:
         self.line = Line(self.servos.values())
         self.writes = 0
         self.kill_at = None
+        self.loss_at, self.loss = None, ""
         self.now = 0.0
         self.later = None
 
@@ -47,10 +48,29 @@ class MemoryLine:
                 servo.power_cycle()
             servo.unplugged = not plugged
 
+    def lose_at(self, writes, loss):
+        """Before a write let a servo, the power, the port, or the power for a moment be lost."""
+        self.loss_at, self.loss = writes, loss
+
+    def _lose(self):
+        servos = list(self.servos.values())
+        if self.loss == "the port":
+            raise PortError("/dev/ttyMEM", "it is gone", "plug it in")
+        if self.loss == "a moment":
+            for servo in servos:
+                if not servo.unplugged:
+                    servo.power_cycle()
+            return
+        for servo in servos if self.loss == "the power" else [servos[self.writes % len(servos)]]:
+            servo.unplugged = True
+
     def hear(self, heard, baud):
         if heard.packet.instruction not in QUIET:
             if self.writes == self.kill_at:
                 raise KilledError
+            if self.writes == self.loss_at:
+                self.loss_at = None
+                self._lose()
             self.writes += 1
         replies = self.line.answer(heard.packet, baud, heard.protocol, damaged=heard.damaged)
         return b"".join(reply.data for reply in replies)

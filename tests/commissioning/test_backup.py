@@ -274,3 +274,54 @@ def test_in_protocol_1_what_lies_beyond_its_reach_is_left_out():
     (image,) = [s.image for s in saved.backup.servos if s.image.address.protocol == 1]
     assert image.value("Indirect Data 28") is not None
     assert image.value("Indirect Data 29") is None
+
+
+@pytest.mark.parametrize(
+    ("address", "byte", "words"),
+    [
+        (8, "c8", "Baud Rate: is 200, a XL430-W250 takes 0, 1, 2"),
+        (11, "09", "Operating Mode: is 9, a XL430-W250 takes 1, 3, 4, 16"),
+        (9, "ff", "Return Delay Time: is 255, a XL430-W250 takes 0 to 254"),
+    ],
+)
+def test_what_a_servo_would_refuse_is_refused_before_anything_is_written(
+    tmp_path, address, byte, words
+):
+    line = ready()
+    line.servos["shoulder_pan"].memory["Velocity Limit"] = 44
+    file = tmp_path / "a.toml"
+    saved_in(line, file)
+    text = file.read_text(encoding="utf-8")
+    at = text.index('bytes = """\n') + len('bytes = """\n') + 3 * address
+    file.write_text(text[:at] + byte + text[at + 2 :], encoding="utf-8")
+    line.servos["shoulder_pan"].memory["Velocity Limit"] = 55
+    writes = line.writes
+    with pytest.raises(ConfigError, match=words):
+        restored(line, file)
+    assert line.writes == writes
+
+
+def test_two_of_one_name_and_names_that_cannot_be_shown_are_refused(tmp_path):
+    line = ready()
+    file = tmp_path / "a.toml"
+    saved_in(line, file)
+    text = file.read_text(encoding="utf-8")
+    for old, new, words in (
+        ('"shoulder_lift"', '"shoulder_pan"', "two of the name 'shoulder_pan'"),
+        ('"shoulder_lift"', '"\\u001b[31m"', "wants letters that can be shown"),
+    ):
+        file.write_text(text.replace(old, new), encoding="utf-8")
+        with pytest.raises(ConfigError, match=words):
+            read_backup(file)
+
+
+def test_a_restored_servo_that_wakes_with_torque_is_not_woken_and_said(tmp_path):
+    line = ready()
+    servo = line.servos["elbow_flex"]
+    servo.memory["Startup Configuration"] = 1
+    saved_in(line, tmp_path / "a.toml")
+    servo.memory["Startup Configuration"] = 0
+    report = restored(line, tmp_path / "a.toml")
+    assert servo.memory["Startup Configuration"] == 1
+    assert not servo.torque_on
+    assert "elbow_flex: it switches its torque on by itself" in report.notes[-1]

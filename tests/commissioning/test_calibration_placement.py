@@ -274,3 +274,18 @@ def test_a_servo_of_another_model_is_refused_before_anything_is_turned():
     servo = mounted(spec_of("XM430-W210"), rng, new_shaft(0.0))
     with pytest.raises(ServoError, match="found a XM430-W210"):
         scene_of([spec_of(XM)], [servo], (-1.0, 1.0), rng, [servo.shaft])
+
+
+def test_where_it_rests_is_never_what_was_heard_before_the_cable_failed():
+    scene, _, _ = pair(5, coupled=False)
+    scene.turn_to(0.0)
+    for shaft in scene.shafts:
+        shaft.angle = 0.2
+    scene.bus.failing = 3 * 4
+    there = scene.rest()[1]
+    assert there == pytest.approx(scene.servo.position, abs=1.0)
+
+
+def test_a_look_writes_nothing():
+    scene, _, _ = pair(5, coupled=False)
+    assert (scene.bus.writes, scene.bus.group_writes) == ([], 0)

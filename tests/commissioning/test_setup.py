@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from memory_line import Helper, KilledError, MemoryLine, checked, load_cell, set_up
+from memory_line import Helper, KilledError, checked, load_cell, set_up
+from setup_scenes import KOCH, SCENES, disordered, fresh, ready, with_registers
 
 from splinearm.commissioning.bench import Address, Found
 from splinearm.commissioning.image import read_image
@@ -19,74 +20,8 @@ from splinearm.commissioning.session import Session
 from splinearm.commissioning.task import Change, Task
 from splinearm.config.folder import user_folder
 from splinearm.errors import BusTimeoutError, ServoError
-from splinearm.sim.line import speak_protocol_1
 from splinearm.sim.shaft import Shaft
 from splinearm.sim.virtual_servo import VirtualServo
-
-KOCH = load_cell("koch_v1_1")
-WX250S = load_cell("wx250s")
-PLANAR = load_cell("planar_2r")
-
-
-def fresh(cell=KOCH):
-    return MemoryLine(cell)
-
-
-def ready(cell=KOCH):
-    """An arm that is set up, with everything connected."""
-    line = MemoryLine(cell)
-    set_up(line, cell)
-    line.connect()
-    line.writes = 0
-    return line
-
-
-def with_registers(cell, **by_name):
-    """An arm that was set up and whose registers were changed: name=((register, value), ...)."""
-    line = ready(cell)
-    for name, registers in by_name.items():
-        for register, value in registers:
-            line.servos[name].memory[register] = value
-    return line
-
-
-def disordered():
-    """An arm with whatever can be wrong and be told without a person's help."""
-    line = with_registers(
-        KOCH,
-        shoulder_pan=(("Drive Mode", 1), ("Return Delay Time", 250)),
-        shoulder_lift=(("ID", 3), ("Baud Rate", 1)),
-        elbow_flex=(("ID", 2), ("Secondary(Shadow) ID", 4)),
-        wrist_flex=(("Baud Rate", 2), ("Operating Mode", 1), ("Max Position Limit", 2000)),
-        wrist_roll=(("Homing Offset", 100), ("Status Return Level", 1)),
-        gripper=(("PWM Limit", 0), ("Operating Mode", 3), ("Baud Rate", 1)),
-    )
-    line.servos["wrist_roll"].fail("overload")
-    speak_protocol_1(line.servos["shoulder_pan"])
-    return line
-
-
-def swapped():
-    """Two servos of different models have each other's ids."""
-    return with_registers(KOCH, shoulder_lift=(("ID", 3),), elbow_flex=(("ID", 2),))
-
-
-def half_fresh():
-    """Two servos are set up, the others come out of the box."""
-    line = ready()
-    for name in ("shoulder_pan", "wrist_flex", "gripper"):
-        line.servos[name].swap()
-    line.connect("shoulder_lift", "elbow_flex", "wrist_roll")
-    return line
-
-
-SCENES = {
-    "fresh": (KOCH, fresh),
-    "disordered": (KOCH, disordered),
-    "swapped": (KOCH, swapped),
-    "half fresh": (KOCH, half_fresh),
-    "planar": (PLANAR, lambda: fresh(PLANAR)),
-}
 
 LONG = ("disordered", "half fresh", "planar")
 """Of those every place to be killed at is for the long run."""
@@ -369,33 +304,6 @@ def test_an_error_that_comes_back_after_the_reboot_is_told():
     servo.begin_anew = lambda *_: None  # as hot as before
     with pytest.raises(ServoError, match=r"elbow_flex.*reports overheating again after a reboot"):
         set_up(line, KOCH)
-
-
-def test_old_servos_of_protocol_1_are_set_up_too(tmp_path):
-    text = (KOCH.file).read_text(encoding="utf-8")
-    text = text.replace("XL330-M288", "AX-12A").replace("XL430-W250", "AX-12A")
-    lines = [
-        line
-        for line in text.splitlines()
-        if not line.startswith(("operating_mode", "profile_", "position_", "supply_v = 5"))
-    ]
-    lines = [line.replace("protocol = 2.0", "protocol = 1.0") for line in lines]
-    lines = [
-        f"{line.split('=')[0]}= {'300.0' if 'speed' in line else line.split('=')[1]}"
-        if line.startswith("max_speed")
-        else line
-        for line in lines
-    ]
-    file = tmp_path / "old.toml"
-    file.write_text("\n".join(lines), encoding="utf-8")
-    cell = load_cell(file)
-    line = fresh(cell)
-    set_up(line, cell)
-    assert [servo.servo_id for servo in line.servos.values()] == [1, 2, 3, 4, 5, 6]
-    assert all(servo.memory["Return Delay Time"] == 0 for servo in line.servos.values())
-    writes = line.writes
-    set_up(line, cell)
-    assert line.writes == writes
 
 
 def test_a_servo_that_answers_pings_alone_is_let_answer_after_a_yes():

@@ -18,6 +18,7 @@ from splinearm.config.calibration import (
     calibration_file,
     calibration_names,
     find_calibration,
+    fitting,
     rename_calibration,
     save_calibration,
     use_calibration,
@@ -190,10 +191,33 @@ def test_the_former_one_stays_under_its_date():
 
 
 def test_one_that_grows_joint_by_joint_leaves_no_others_behind():
-    save_calibration(made(elbow()))
-    save_calibration(made(elbow()).with_servos(elbow(name="waist", servo_id=1)))
+    first = made(elbow())
+    save_calibration(first)
+    save_calibration(first.with_servos(elbow(name="waist", servo_id=1)), over=first)
     assert calibration_names(ARM) == ("default",)
     assert [servo.name for servo in find_calibration(ARM).servos] == ["elbow", "waist"]
+
+
+def test_one_that_was_changed_by_hand_stays_though_its_date_is_the_same():
+    save_calibration(made(elbow()))
+    mine = made(elbow(zero_ticks=5))
+    save_calibration(mine)
+    assert calibration_names(ARM) == ("default", "default-20261122-193000")
+    save_calibration(made(elbow(zero_ticks=9)), over=made(elbow()))  # not what is there
+    assert len(calibration_names(ARM)) == 3
+
+
+def test_taking_two_in_use_by_turns_leaves_no_copies_behind():
+    for name, zero in (("summer", 5), ("winter", 6)):
+        save_calibration(made(elbow(zero_ticks=zero), name=name))
+    for name in ("summer", "winter", "summer", "winter"):
+        use_calibration(ARM, name)
+    assert set(calibration_names(ARM)) == {"default", "summer", "winter"}
+
+
+def test_what_no_longer_fits_the_arm_s_file_is_left_out():
+    both = made(elbow(), elbow(name="knee", servo_id=44))
+    assert [servo.name for servo in fitting(load_cell(ARM), both).servos] == ["elbow"]
 
 
 def test_a_broken_one_is_put_aside_as_it_is():

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from splinearm.config.folder import _configuration_folder, user_folder
+from splinearm.config.folder import _configuration_folder, is_there, user_folder
+from splinearm.errors import ConfigError
 
 
 @pytest.fixture
@@ -57,3 +58,16 @@ def test_a_relative_xdg_folder_is_ignored(nothing_set, monkeypatch):
 def test_macos_knows_no_variable(nothing_set):
     assert _configuration_folder("darwin") == Path.home() / "Library/Application Support"
     assert user_folder().name == "splinearm"
+
+
+@pytest.mark.parametrize("own", ["~nobody-of-that-name", "~nobody-of-that-name/arms"])
+def test_a_home_that_is_nobody_s_is_refused_in_a_line(monkeypatch, own):
+    monkeypatch.setenv("SPLINEARM_HOME", own)
+    with pytest.raises(ConfigError, match="no such home folder; set SPLINEARM_HOME"):
+        user_folder()
+
+
+def test_a_name_that_no_file_can_have_is_refused(tmp_path):
+    assert not is_there(tmp_path / "a")
+    with pytest.raises(ConfigError, match="cannot be looked at"):
+        is_there(tmp_path / ("x" * 300))

@@ -72,6 +72,7 @@ def test_what_is_written_comes_back_to_the_last_bit(read):
         ("rest_s = [0.75]\n", "", "rest_s"),
         ("rest_s = [0.75]", "rest_s = [0.75, 1]", "rest_s"),
         ("rest_u = [0.5]", "rest_u = [1.5]", "rests"),
+        ("rest_s = [0.75]", "rest_s = [1e12]", "at most 3600"),
         ("points_deg", "points_rad", "points_deg"),
         ("knots = [", "knots = 3 # [", "knots"),
     ],

@@ -48,13 +48,14 @@ def run(args: argparse.Namespace) -> int:
     from splinearm.commissioning.bench import Bench
     from splinearm.commissioning.save import save_arm, save_everyone
     from splinearm.config import load_cell
+    from splinearm.config.folder import is_there
 
     from .setup_person import console_for
 
     cell = None if args.arm is None else load_cell(args.arm)
     chain = None if cell is None else require_chain(cell)
     console = console_for(as_json=args.json)
-    if args.output is not None and args.output.exists():
+    if args.output is not None and is_there(args.output):
         raise ConfigError(args.output, "", "is there already; a backup overwrites nothing")
     port = port_of(args, cell, announce=lambda words: console.print(words, markup=False))
     name = "" if cell is None else cell.name

@@ -14,8 +14,9 @@ if TYPE_CHECKING:
 
 _STEPS = """It asks you to support the arm before its torque goes off. Then you turn each joint from
 end to end, turn each joint as it says, and put the arm in a pose. It shows every register that is
-to be written and asks. Stopped in the middle it has written nothing, or whole joints: started again
-it takes those that are missing.
+to be written and asks. Before the first write the control tables of the servos are kept in a file;
+`splinearm restore FILE` brings them back. Stopped in the middle it has written nothing, or whole
+joints: started again it takes those that are missing.
 
 Calibrations lie in the folder `calibrations` of your configuration ($SPLINEARM_HOME). The one that
 is called "default" is in use on real ports. Former ones stay there under their date."""
@@ -86,13 +87,17 @@ def run(args: argparse.Namespace) -> int:
 
 def _look_after(cell: "Cell", args: argparse.Namespace) -> None:
     """Rename, take in use, list."""
-    from splinearm.config.calibration import rename_calibration, use_calibration
+    from splinearm.config.calibration import DEFAULT, rename_calibration, use_calibration
 
     from .output import console
 
     if args.rename is not None:
         file = rename_calibration(cell.name, *args.rename)
-        console.print(f"{file}", markup=False, soft_wrap=True, highlight=False)
+        if not args.json:
+            console.print(f"{file}", markup=False, soft_wrap=True, highlight=False)
+            if args.rename[0] == DEFAULT:
+                again = f"`splinearm calibrate {args.arm} --use {args.rename[1]}`"
+                console.print(f"none is in use now; {again} takes it in use again", markup=False)
     if args.use is not None:
         file = use_calibration(cell.name, args.use)
         if not args.json:
@@ -192,7 +197,7 @@ def _calibrate(cell: "Cell", args: argparse.Namespace) -> int:
         stack.enter_context(bus)
         bench = CalibrationBench(bus, cell, _joints(cell, args))
         bench.survey()
-        steps = Steps(cell, bench, keys, hand, to_errors=args.json)
+        steps = Steps(cell, bench, keys, hand, arm=args.arm, to_errors=args.json)
         made = steps.take(name, pose, by_ends=args.zero == "ends", serial=_serial(port))
     if args.json:
         print(json.dumps(_document(made), indent=2))
@@ -202,7 +207,7 @@ def _calibrate(cell: "Cell", args: argparse.Namespace) -> int:
 def _joints(cell: "Cell", args: argparse.Namespace) -> list[str] | None:
     """Give what is to be calibrated: of a calibration that is not whole yet, what it lacks."""
     from splinearm.backends import require_chain
-    from splinearm.config.calibration import find_calibration
+    from splinearm.config.calibration import find_calibration, fitting
     from splinearm.drivers.chain import ServoRole
     from splinearm.errors import ConfigError
 
@@ -213,6 +218,7 @@ def _joints(cell: "Cell", args: argparse.Namespace) -> list[str] | None:
     except ConfigError:  # none of that name, or a broken one: all is calibrated
         return None
     servos = [s for s in require_chain(cell).servos if s.role is not ServoRole.SHADOW]
+    former = None if former is None else fitting(cell, former)
     lacking = [s.joint or s.name for s in servos if former is None or not former.servo(s.name)]
     if not lacking or len(lacking) == len(servos):
         return None

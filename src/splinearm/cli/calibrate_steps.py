@@ -1,33 +1,29 @@
 """The steps of ``splinearm calibrate``: what a person at the arm sees, does and is asked."""
 
 import time
-from collections.abc import Callable, Collection, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Collection
 from datetime import UTC, datetime
 from functools import partial
 from typing import TYPE_CHECKING
 
-from rich.box import SIMPLE_HEAD
 from rich.console import Console, Group, RenderableType
 from rich.live import Live
-from rich.table import Table
 from rich.text import Text
 
-from splinearm.commissioning.calibration_bench import CalibrationBench, as_calibration
+from splinearm.commissioning.calibration_bench import CalibrationBench
 from splinearm.commissioning.calibration_words import growth_words, pose_words
-from splinearm.commissioning.calibration_zero import check_zero, zero_by_ends, zero_by_pose
+from splinearm.commissioning.calibration_zero import zero_by_ends, zero_by_pose
 from splinearm.config import Cell
-from splinearm.config.calibration import calibration_file, find_calibration, save_calibration
 from splinearm.config.calibration_table import Calibration
-from splinearm.errors import ConfigError, SplinearmError, TerminalLostError
+from splinearm.errors import SplinearmError, TerminalLostError
 from splinearm.units import DEG
 
+from .calibrate_outcome import Outcome, Shown, live_table
 from .keyboard import Keyboard
 from .output import console
 
 if TYPE_CHECKING:
     from splinearm.commissioning.calibration_hand import VirtualHand
-    from splinearm.commissioning.calibration_placement import Placement
 
 _LOOK, _DRAWN = 0.02, 0.1
 """How long a key is waited for between two readings, and how often the screen is drawn, s."""
@@ -52,6 +48,7 @@ class Steps:
         keys: Keyboard,
         hand: "VirtualHand | None" = None,
         *,
+        arm: str = "",
         to_errors: bool = False,
     ) -> None:
         """Take an arm that was surveyed, and a terminal.
@@ -61,10 +58,12 @@ class Steps:
             bench: Its servos.
             keys: The keyboard.
             hand: What turns the joints in a rehearsal: then nothing is kept.
+            arm: What the person calls the arm; empty: by its name.
             to_errors: Whether the error stream is what the person sees.
         """
         self._cell, self._bench, self._keys, self._hand = cell, bench, keys, hand
-        self._console = Console(stderr=True) if to_errors else console
+        self._arm = arm or cell.name
+        self._show = Shown(Console(stderr=True) if to_errors else console)
         grippers = [] if bench.gripper is None else [bench.gripper.name]
         self._names = (*bench.joints, *grippers)
         self._signs: dict[str, int] = {}
@@ -88,8 +87,8 @@ class Steps:
         self._let_go()
         try:
             return self._take(name, pose, by_ends=by_ends, serial=serial)
-        except (KeyboardInterrupt, TerminalLostError):
-            self._say("Left. The torque is off: support the arm until it is on again.")
+        except BaseException:
+            self._show.say("Left. The torque is off: support the arm until it is on again.")
             raise
 
     def _take(self, name: str, pose: str, *, by_ends: bool, serial: str | None) -> Calibration:
@@ -114,7 +113,7 @@ class Steps:
 
     def _let_go(self) -> None:
         """Have the arm supported, then switch its torque off."""
-        held = self._bench.energised()
+        held = self._bench.line.energised()
         if held:
             names = ", ".join(servo.name for servo in held)
             self._ask(
@@ -123,8 +122,8 @@ class Steps:
                 "goes off. Press s once it is supported.",
                 keys="s",
             )
-            self._bench.release()
-        self._say("The torque is off: the joints can be turned by hand.")
+            self._bench.line.release()
+        self._show.say("The torque is off: the joints can be turned by hand.")
 
     def _sweep(self) -> None:
         """Let every joint be turned from end to end; what is missing is asked for once."""
@@ -151,7 +150,7 @@ class Steps:
                 )
 
     def _sweep_table(self, tail: str) -> RenderableType:
-        table = _table("joint", "now", "lowest", "highest", "travel", "missing")
+        table = live_table("joint", "now", "lowest", "highest", "travel", "missing")
         for name in self._names:
             sweep = self._bench.sweep_of(name)
             model = self._bench.model_of(name)
@@ -164,7 +163,7 @@ class Steps:
                 text, style = f"{missing / DEG:.0f} deg", "yellow"
             cells = (sweep.now, sweep.low, sweep.high, f"{travel / DEG:.1f} deg", text)
             table.add_row(name, *map(str, cells), style=style)
-        return Group(table, Text(tail))
+        return Group(Text(tail), table)
 
     def _find_sign(self, joint: str, pose: str) -> None:
         """Let a joint be turned so that its angle grows, and see which way it counts."""
@@ -182,7 +181,7 @@ class Steps:
                 begun = bench.sweep_of(joint).now
             elif abs(moved) >= clear:
                 self._signs[joint] = 1 if moved > 0 else -1
-                self._say(f"{joint}: turned {how}, its numbers go {_way(moved)}")
+                self._show.say(f"{joint}: turned {how}, its numbers go {_way(moved)}")
                 return
 
     def _sign_picture(self, joint: str, head: Text, begun: int) -> RenderableType:
@@ -220,18 +219,19 @@ class Steps:
     def _pose_table(self, pose: str, tail: str) -> RenderableType:
         arm, q = self._cell.arm, self._cell.poses[pose]
         shown = self._cell.to_file_units(q)
-        table = _table("joint", "deg", "that is", "now")
+        table = live_table("joint", "deg", "that is", "now")
         for i, joint in enumerate(arm.joint_names):
             now = str(self._bench.sweep_of(joint).now) if joint in self._bench.joints else ""
             table.add_row(joint, f"{shown[i]:.1f}", pose_words(arm, q, i), now)
         head = Text(f"The pose {pose!r} (forward is x of the arm's world, up is z):", style="bold")
-        return Group(head, table, Text(tail))
+        return Group(head, Text(tail), table)
 
     def _find_gripper(self, name: str) -> tuple[float, float]:
         """Let the gripper be opened and closed, and take where it is."""
         counts = []
         for word in ("Open", "Close"):
             self._watch(partial(self._gripper_picture, name, word), ("enter",))
+            self._bench.catch_up()
             counts.append(float(self._bench.sweep_of(name).now))
         return counts[0], counts[1]
 
@@ -243,86 +243,19 @@ class Steps:
         )
 
     def _set(self, fresh: Calibration, ends: tuple[float, float] | None) -> Calibration:
-        """Show what is to be written, ask, write and keep it: joint by joint."""
-        bench, made = self._bench, self._begun(fresh)
-        placed = {j: bench.place(j, self._zeros[j], self._signs[j]) for j in bench.joints}
-        grip = None if ends is None else bench.place_gripper(*ends)
-        every = [p for placements in placed.values() for p in placements]
-        self._show(every if grip is None else [*every, grip[0]])
+        """Show what is to be written, ask, write and keep it."""
+        outcome = Outcome(self._cell, self._bench, fresh, self._show, rehearsal=bool(self._hand))
+        outcome.work_out(self._zeros, self._signs, self._zero_by, ends)
+        outcome.show()
         self._ask("y: write that and keep it; q: leave, with nothing written.", keys="y")
-        for placements in placed.values():
-            for placement in placements:
-                bench.write(placement)
-            made = made.with_servos(*(as_calibration(p, self._zero_by) for p in placements))
-            self._keep(made)
-        if grip is not None:
-            bench.write(grip[0])
-            made = made.with_servos(as_calibration(grip[0], ends=grip[1:]))
-            self._keep(made)
-        if self._hand is not None:
-            self._say("A rehearsal: nothing was kept.")
-        else:
-            file = save_calibration(made)
-            with suppress(OSError):
-                self._console.print(f"Kept: {file}", soft_wrap=True, markup=False, highlight=False)
-        self._say("The torque is still off: support the arm until it is on again.")
+        made = outcome.carry_out()
+        outcome.end(self._arm)
+        self._show.say("The torque is still off: support the arm until it is on again.")
         return made
-
-    def _begun(self, fresh: Calibration) -> Calibration:
-        """Give the new calibration with what one of its name says of other servos."""
-        if self._hand is not None:
-            return fresh
-        if not calibration_file(fresh.arm, fresh.name).exists():
-            return fresh
-        try:
-            former = find_calibration(fresh.arm, fresh.name)
-        except ConfigError as error:
-            self._say(f"{error}; it is put aside")
-            return fresh
-        known = {servo.name for servo in self._cell.chain.servos} if self._cell.chain else set()
-        kept = () if former is None else tuple(s for s in former.servos if s.name in known)
-        return fresh.with_servos(*kept)
-
-    def _keep(self, made: Calibration) -> None:
-        if self._hand is None:
-            save_calibration(made)
-
-    def _show(self, placements: "Sequence[Placement]") -> None:
-        """Show what comes out, and every register that changes."""
-        table = _table("servo", "zero at", "travel", "register", "old", "new")
-        for placement in placements:
-            low, high = (q / DEG for q in placement.travel)
-            head = (
-                placement.spec.name,
-                str(placement.zero_ticks),
-                f"{low:.1f} .. {high:.1f} deg",
-            )
-            changes = self._bench.changes(placement)
-            for k, change in enumerate(changes):
-                told = head if k == 0 else ("", "", "")
-                table.add_row(*told, change.register, str(change.old), str(change.new))
-            if not changes:
-                table.add_row(*head, "nothing to write", "", "")
-        self._console.print(table)
-        for placement in placements:
-            for note in (*placement.notes, *self._contradiction(placement)):
-                self._say(f"{placement.spec.name}: {note}", style="yellow")
-
-    def _contradiction(self, placement: "Placement") -> tuple[str, ...]:
-        """Say where the ends of a travel contradict the zero of a pose."""
-        joint = placement.spec.joint
-        if joint is None or self._bench.leaders[joint] is not placement.spec:
-            return ()
-        words = check_zero(self._bench.turned(joint, self._signs[joint]), self._zeros[joint])
-        return (words,) if words else ()
 
     def _ask(self, *lines: str, keys: Collection[str]) -> None:
         texts = [Text(line) for line in lines]
         self._watch(lambda: Group(*texts, Text("(q: leave)")), keys, look=False)
-
-    def _say(self, words: str, style: str = "") -> None:
-        with suppress(OSError):  # of a terminal that is gone
-            self._console.print(Text(words, style=style))
 
     def _watch(
         self, picture: Callable[[], RenderableType], keys: Collection[str], *, look: bool = True
@@ -339,7 +272,7 @@ class Steps:
         self, picture: Callable[[], RenderableType], keys: Collection[str], *, look: bool
     ) -> str:
         due = 0.0
-        with Live(console=self._console, auto_refresh=False, transient=True) as live:
+        with Live(console=self._show.console, auto_refresh=False, transient=True) as live:
             while True:
                 if look:
                     self._bench.poll()
@@ -362,11 +295,3 @@ class Steps:
 
 def _way(moved: int) -> str:
     return "up" if moved > 0 else "down"
-
-
-def _table(*columns: str) -> Table:
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
-    for name in columns:
-        right = name in ("now", "lowest", "highest", "travel", "old", "new", "deg", "zero at")
-        table.add_column(name, justify="right" if right else "left", overflow="fold")
-    return table

@@ -54,6 +54,8 @@ def run(args: argparse.Namespace) -> int:
     backup = read_backup(args.file)
     console = console_for(as_json=args.json)
     port = port_of(args, None, announce=lambda words: console.print(words, markup=False))
+    said = f"{len(backup.servos)} servos of {backup.arm or 'no named arm'}"
+    console.print(f"{args.file}: {said}, {backup.time}, {backup.port}", markup=False)
     person = TerminalPerson(console, yes=args.yes, release=args.release)
     try:
         with Bench(port) as bench:

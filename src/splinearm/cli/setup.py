@@ -2,7 +2,11 @@
 
 import argparse
 import json
+import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
+
+from splinearm.errors import ConfigError
 
 from .port_words import add_port, port_of
 
@@ -67,19 +71,23 @@ def run(args: argparse.Namespace) -> int:
     from splinearm.commissioning.person import DeclinedError
     from splinearm.commissioning.setup import Setup
     from splinearm.config import load_cell
-    from splinearm.config.calibration import calibrated
 
     from .setup_person import TerminalPerson, console_for
 
-    cell = calibrated(load_cell(args.arm))
-    require_chain(cell)
+    if not 0.0 <= args.wait_s < math.inf:
+        raise ConfigError("--wait-s", "", f"wants seconds, got {args.wait_s}")
     console = console_for(as_json=args.json)
-    port = port_of(args, cell, announce=lambda words: console.print(words, markup=False))
+
+    def tell(words: str) -> None:
+        console.print(words, markup=False, highlight=False)
+
+    cell = _own(load_cell(args.arm), args.arm, tell)
+    require_chain(cell)
+    port = port_of(args, cell, announce=tell)
     person = TerminalPerson(console, yes=args.yes or args.check, release=args.release)
+    tell(f"looking for the servos on {port} ...")
     with Bench(port) as bench:
-        setup = Setup(
-            bench, cell, person, one_by_one=args.one_by_one, patience=max(args.wait_s, 0.0)
-        )
+        setup = Setup(bench, cell, person, one_by_one=args.one_by_one, patience=args.wait_s)
         try:
             report = setup.check() if args.check else setup.run()
         except DeclinedError as declined:
@@ -91,8 +99,30 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps(document(report, cell, port), indent=2))
     else:
-        _show(args, report)
+        _show(args, report, cell)
     return 1 if report.left else 0
+
+
+def _own(cell: "Cell", arm: str, tell: Callable[[str], None]) -> "Cell":
+    """Give the arm with its calibration, without what of that no longer fits the arm's file.
+
+    Servos must be set up before they can be calibrated anew.
+    """
+    from splinearm.config.calibration import calibration_file, find_calibration, fitting
+    from splinearm.config.calibration_table import apply_calibration
+
+    calibration = None if cell.chain is None else find_calibration(cell.name)
+    if calibration is None:
+        return cell
+    own = fitting(cell, calibration)
+    kept = {servo.name for servo in own.servos}
+    gone = [servo.name for servo in calibration.servos if servo.name not in kept]
+    if gone:
+        tell(
+            f"the calibration does not fit the arm's file any more: {', '.join(gone)} (calibrate "
+            f"anew once the servos are set up: `splinearm calibrate {arm}`)"
+        )
+    return apply_calibration(cell, own, calibration_file(cell.name, calibration.name))
 
 
 def document(report: "SessionReport", cell: "Cell", port: str) -> dict[str, Any]:
@@ -133,7 +163,7 @@ def servo_document(task: "Task") -> dict[str, Any]:
     }
 
 
-def _show(args: argparse.Namespace, report: "SessionReport") -> None:
+def _show(args: argparse.Namespace, report: "SessionReport", cell: "Cell") -> None:
     """Say how it ended."""
     from .output import console
     from .setup_person import show_task
@@ -148,13 +178,30 @@ def _show(args: argparse.Namespace, report: "SessionReport") -> None:
         for words in report.left:
             console.print(f"  {words}", markup=False, highlight=False)
         if args.check:
-            console.print(f"`splinearm setup {args.arm}` does it", markup=False, highlight=False)
-    elif args.check or not report.written:
-        console.print("all servos are set up; there is nothing to write")
+            port = "" if args.port is None else f" --port {args.port}"
+            console.print(
+                f"`splinearm setup {args.arm}{port}` does it", markup=False, highlight=False
+            )
     else:
+        count = report.written
+        registers = f"{count} register" + ("s" if count > 1 else "")
+        done = f"{registers} written" if count else "there is nothing to write"
+        next_one = _next(args, cell)
         console.print(
-            f"all servos are set up; {report.written} registers written. Next: "
-            f"`splinearm doctor --arm {args.arm}`",
-            markup=False,
-            highlight=False,
+            f"all servos are set up; {done}. Next: `{next_one}`", markup=False, highlight=False
         )
+
+
+def _next(args: argparse.Namespace, cell: "Cell") -> str:
+    """Give the command that comes after this one."""
+    from splinearm.backends import require_chain
+
+    chain = require_chain(cell)
+    if any(servo.joint is not None and servo.zero_ticks is None for servo in chain.servos):
+        return f"splinearm calibrate {args.arm}{_port_words(args)}"
+    port = "" if args.port is None else f"{args.port} "
+    return f"splinearm doctor {port}--arm {args.arm}"
+
+
+def _port_words(args: argparse.Namespace) -> str:
+    return "" if args.port is None else f" --port {args.port}"

@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from splinearm.drivers.chain import ServoSpec
 
 
+_NARROW = 70
+"""Columns that a table of registers needs."""
+
+
 def console_for(*, as_json: bool) -> "Console":
     """Give where to show things: beside the JSON, if there is one."""
     from .output import console
@@ -38,7 +42,7 @@ class TerminalPerson:
     """
 
     def __init__(self, console: "Console", *, yes: bool, release: bool) -> None:
-        if not (yes or sys.stdin.isatty()):
+        if not (yes or _is_attended()):
             raise ConfigError(
                 "--yes", "", "there is no terminal to ask on; say --yes to write without asking"
             )
@@ -58,7 +62,8 @@ class TerminalPerson:
             return True
         count = sum(len(task.changes) for task in tasks)
         servos = f"{len(tasks)} servo" + ("s" if len(tasks) > 1 else "")
-        what = f"Write {count} registers into {servos}" if count else f"Reboot {servos}"
+        registers = f"{count} register" + ("s" if count > 1 else "")
+        what = f"Write {registers} into {servos}" if count else f"Reboot {servos}"
         return self._asks(f"{what}? The tables as they are now are kept in a file first.")
 
     def allows(self, words: str) -> bool:
@@ -69,7 +74,7 @@ class TerminalPerson:
         """Ask whether torque may go off."""
         if self._release:
             return True
-        if self._yes and not sys.stdin.isatty():
+        if self._yes and not _is_attended():
             return False
         return self._asks(
             f"The arm holds with torque ({', '.join(names)}). To write, servos lose it and joints "
@@ -102,6 +107,11 @@ class TerminalPerson:
         return sys.stdin.readline().strip().lower() in ("y", "yes")
 
 
+def _is_attended() -> bool:
+    """Tell whether somebody can be asked; a program may be started without any input at all."""
+    return sys.stdin is not None and sys.stdin.isatty()
+
+
 def show_task(console: "Console", task: "Task") -> None:
     """Show what would be written into one servo: old and new value of every register."""
     from .output import table
@@ -118,7 +128,12 @@ def show_task(console: "Console", task: "Task") -> None:
         for change in task.changes
     ]
     rows += [("Hardware Error Status", "", error, "rebooted") for error in task.errors]
-    console.print(table(("register", "address", "old", "new"), rows, title=title))
+    if console.width < _NARROW:  # no column of a table may be lost
+        console.print(title, markup=False, highlight=False)
+        for name, _, old, new in rows:
+            console.print(f"  {name}: {old} -> {new}", markup=False, highlight=False)
+    else:
+        console.print(table(("register", "address", "old", "new"), rows, title=title))
 
 
 def _shown(task: "Task", change: "Change", value: int) -> str:

@@ -53,6 +53,8 @@ class Backup:
     """The port."""
     servos: tuple[SavedServo, ...]
     """The servos."""
+    time: str = ""
+    """When it was made (UTC, ISO 8601); empty: it is to be written yet."""
 
 
 def backup_file(arm: str, port: str) -> Path:
@@ -95,12 +97,15 @@ def read_backup(file: str | PathLike[str]) -> Backup:
     """
     root = read_file(file, BACKUP_SCHEMA)
     servos = tuple(_read_servo(table) for table in root.tables("servo"))
-    arm, port = root.text("arm", ""), root.text("port", "")
-    root.text("time", "")
+    arm, port, time = (root.text(key, "") for key in ("arm", "port", "time"))
     root.finish()
     if not servos:
         raise root.refuse("servo", "is missing; a backup has [[servo]] tables")
-    return Backup(arm=arm, port=port, servos=servos)
+    names = [servo.name for servo in servos]
+    if len({*names}) < len(names):
+        name = next(name for k, name in enumerate(names) if name in names[:k])
+        raise root.refuse("servo", f"has two of the name {name!r}")
+    return Backup(arm=arm, port=port, servos=servos, time=time)
 
 
 def _servo_lines(servo: SavedServo) -> list[str]:
@@ -131,6 +136,8 @@ def _address_lines(address: Address) -> list[str]:
 
 def _read_servo(table: Table) -> SavedServo:
     name = table.text("name")
+    if not name.isprintable():
+        raise table.refuse("name", "wants letters that can be shown")
     address = _read_address(table)
     model = servo_model(table.choice("model", [model.name for model in servo_models()]))
     number = table.integer("model_number", low=0, high=0xFFFF)

@@ -2,22 +2,23 @@
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import isinf
+from typing import TYPE_CHECKING
 
 from splinearm.backends import require_chain
 from splinearm.config import Cell
-from splinearm.config.calibration_table import CALIBRATED_REGISTERS, ServoCalibration
+from splinearm.config.calibration_table import ServoCalibration
 from splinearm.drivers.ability import range_registers
-from splinearm.drivers.asking import read_all, read_torque
-from splinearm.drivers.bus import ServoBus
+from splinearm.drivers.asking import read_all
 from splinearm.drivers.chain import ServoSpec
 from splinearm.drivers.crew import Crew
 from splinearm.drivers.model import ServoModel
-from splinearm.drivers.startup import call_roll, check_health, is_coupled, let_all_answer
-from splinearm.errors import BusError, CalibrationError, ConfigError, ServoError
+from splinearm.drivers.startup import is_coupled
+from splinearm.errors import BusError, CalibrationError, ConfigError
 from splinearm.units import DEG
 
+from .calibration_line import CalibrationLine
 from .calibration_placement import (
     Placement,
     Seen,
@@ -28,18 +29,16 @@ from .calibration_placement import (
 )
 from .calibration_zero import Turned
 from .sweep import Pairing, Sweep
+from .task import Change
 
-_TRIES = 3
-"""A register is written so often until it holds what was written."""
+if TYPE_CHECKING:
+    from splinearm.drivers.dynamixel import DynamixelBus
 
 _PATIENCE = 1.0
 """A cable that is moved may fail for so long before that is told, s."""
 
 _READINGS, _APART, _STILL = 24, 0.01, 6
 """An arm at rest is read so often, so far apart (s), and may wander by so many ticks meanwhile."""
-
-_PAUSE = 0.05
-"""So long is waited for what may still be on the line, s."""
 
 _FORESEEN = 3.0 * DEG
 """By how much a position may be off what was foreseen once the registers are written, rad: a hand
@@ -49,28 +48,16 @@ _STIFF = 2.0 * DEG
 """So far the positions of two servos at one joint may be apart from a straight line, rad."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Change:
-    """A register that is to hold something else."""
-
-    servo: ServoSpec
-    """Whose."""
-    register: str
-    """Which."""
-    old: int
-    """What it holds."""
-    new: int
-    """What it is to hold."""
-
-
 class CalibrationBench:
     """Servos of some joints, perhaps a gripper's too; nothing is written before ``write``."""
 
-    def __init__(self, bus: ServoBus, cell: Cell, joints: Sequence[str] | None = None) -> None:
+    def __init__(
+        self, bus: "DynamixelBus", cell: Cell, joints: Sequence[str] | None = None
+    ) -> None:
         """Choose the servos; nothing is asked of them yet.
 
         Args:
-            bus: The bus.
+            bus: The bus, at the arm's rate.
             cell: The arm, as its file says.
             joints: Names of joints, or of a gripper's servo; None: all.
 
@@ -85,8 +72,7 @@ class CalibrationBench:
         for name in names:
             if name not in known:
                 raise ConfigError("--joint", "", f"{name!r} is not one of {', '.join(known)}")
-        self._bus = bus
-        self._limits = cell.arm.limits
+        self._bus, self._limits = bus, cell.arm.limits
         self.joints = tuple(name for name in cell.arm.joint_names if name in names)
         """The joints to be calibrated, base to flange."""
         self.leaders = {s.joint or "": s for s in crew.leaders if s.joint in self.joints}
@@ -102,7 +88,8 @@ class CalibrationBench:
         self.sweeps = {s.servo_id: Sweep(s.servo_model) for s in self.servos}
         """By id where each was turned to."""
         self._pairings = {s.servo_id: Pairing(s.servo_model) for s in shadows}
-        self._registers: dict[int, dict[str, int]] = {}
+        self.line = CalibrationLine(bus, cell, self.servos)
+        """What is spoken to them."""
         self._silent_since: float | None = None
 
     def survey(self) -> None:
@@ -111,33 +98,13 @@ class CalibrationBench:
         Raises:
             BusError: If a servo does not answer, is of another model, or reports a hardware error.
         """
-        let_all_answer(self._bus, self.servos)
-        call_roll(self._bus, self.servos)
-        check_health(self._bus, self.servos)
-        for servo in self.servos:
-            table = servo.servo_model.table
-            self._registers[servo.servo_id] = {
-                name: self._bus.read(servo.servo_id, table[name])
-                for name in CALIBRATED_REGISTERS
-                if name in table
-            }
+        self.line.survey()
 
-    def energised(self) -> tuple[ServoSpec, ...]:
-        """Give the servos whose torque is on."""
-        on = read_torque(self._bus, self.servos)
-        return tuple(servo for servo in self.servos if on[servo.servo_id])
-
-    def release(self) -> None:
-        """Switch the torque off. What nobody supports falls.
-
-        Raises:
-            BusError: If a servo does not answer.
-        """
-        for servo in self.servos:
-            self._bus.write(servo.servo_id, servo.servo_model.table["Torque Enable"], 0)
-
-    def poll(self) -> None:
+    def poll(self) -> bool:
         """Read where all are, and take that into account; a moved cable may fail for a second.
+
+        Returns:
+            Whether they answered.
 
         Raises:
             BusError: If a servo does not answer for longer.
@@ -150,7 +117,7 @@ class CalibrationBench:
                 self._silent_since = now
             if now - self._silent_since > _PATIENCE:
                 raise
-            return
+            return False
         self._silent_since = None
         for servo_id, value in ticks.items():
             self.sweeps[servo_id].add(value)
@@ -158,6 +125,16 @@ class CalibrationBench:
             leader = self.leaders[servo.joint or ""]
             pair = (self.sweeps[leader.servo_id].now, self.sweeps[servo.servo_id].now)
             self._pairings[servo.servo_id].add(*pair)
+        return True
+
+    def catch_up(self) -> None:
+        """Read where all are now, however often it takes.
+
+        Raises:
+            BusError: If a servo does not answer for a second.
+        """
+        while not self.poll():
+            time.sleep(_APART)
 
     def begin_anew(self) -> None:
         """Forget where the joints were turned to; begin where they are."""
@@ -206,7 +183,7 @@ class CalibrationBench:
         """Read the arm at rest: give by id the mean count, ticks; None: it moves."""
         counts: dict[int, list[int]] = {servo.servo_id: [] for servo in self.servos}
         for _ in range(_READINGS):
-            self.poll()
+            self.catch_up()
             for servo_id, sweep in self.sweeps.items():
                 counts[servo_id].append(sweep.now)
             time.sleep(pause)
@@ -249,7 +226,7 @@ class CalibrationBench:
         sweep = self.sweeps[self.gripper.servo_id]
         seen = Seen(
             spec=self.gripper,
-            registers=self._registers[self.gripper.servo_id],
+            registers=self.line.registers[self.gripper.servo_id],
             low=sweep.low,
             high=sweep.high,
             torn=sweep.torn,
@@ -265,7 +242,7 @@ class CalibrationBench:
 
     def _roomy(self, placement: Placement) -> dict[str, int]:
         """Give a gripper's settings with its limits as they are, if they let it open and close."""
-        have, settings = self._registers[placement.spec.servo_id], dict(placement.settings)
+        have, settings = self.line.registers[placement.spec.servo_id], dict(placement.settings)
         low, high = range_registers(placement.spec.servo_model)
         if low in settings and have[low] <= settings[low] and settings[high] <= have[high]:
             settings[low], settings[high] = have[low], have[high]
@@ -275,9 +252,9 @@ class CalibrationBench:
 
     def changes(self, placement: Placement) -> tuple[Change, ...]:
         """Give the registers that do not hold yet what they are to hold."""
-        have = self._registers[placement.spec.servo_id]
+        have, table = self.line.registers[placement.spec.servo_id], placement.spec.servo_model.table
         return tuple(
-            Change(placement.spec, name, have[name], value)
+            Change(table[name], have[name], value)
             for name, value in placement.settings.items()
             if have[name] != value
         )
@@ -293,10 +270,9 @@ class CalibrationBench:
         """
         servo, bus = placement.spec, self._bus
         table = servo.servo_model.table
-        self.poll()
+        self.catch_up()
         count = self.sweeps[servo.servo_id].now
-        for change in self.changes(placement):
-            self._change(change)
+        self.line.fill(servo, self.changes(placement))
         off = placement.differs(bus.read(servo.servo_id, table["Present Position"]), count)
         off /= servo.servo_model.pulses_per_rad
         if abs(off) > _FORESEEN:
@@ -306,28 +282,11 @@ class CalibrationBench:
                 "joint still and calibrate it anew",
             )
 
-    def _change(self, change: Change) -> None:
-        """Write a register until it holds what was written: a packet may be lost on the way."""
-        servo, register = change.servo, change.servo.servo_model.table[change.register]
-        found = change.old
-        for _ in range(_TRIES):
-            self._bus.write(servo.servo_id, register, change.new)
-            found = self._bus.read(servo.servo_id, register)
-            self._registers[servo.servo_id][change.register] = found
-            if found == change.new:
-                return
-            time.sleep(_PAUSE)
-        raise ServoError(
-            servo.servo_id,
-            f"{change.register} was written as {change.new} and is {found}",
-            name=servo.name,
-        )
-
     def _seen(self, servo: ServoSpec, zero: float, sign: int) -> Seen:
         sweep, i = self.sweeps[servo.servo_id], self._limits.names.index(servo.joint or "")
         return Seen(
             spec=servo,
-            registers=self._registers[servo.servo_id],
+            registers=self.line.registers[servo.servo_id],
             low=sweep.low,
             high=sweep.high,
             torn=sweep.torn,

@@ -8,7 +8,9 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from itertools import permutations
 
-from splinearm.drivers.registers import Area
+from splinearm.drivers.chain import MAX_SERVO_ID
+from splinearm.drivers.model import ServoModel
+from splinearm.drivers.registers import Area, Register
 from splinearm.errors import ConfigError, ServoError
 
 from .backup import Backup, SavedServo
@@ -17,7 +19,7 @@ from .image import ControlImage, kept, known_model, read_image
 from .person import Person
 from .search import call_at, call_everyone
 from .session import Session, SessionReport
-from .task import ADDRESSING, Change, Task
+from .task import ADDRESSING, STARTUP, Change, Task
 
 _SECONDARY = "Secondary(Shadow) ID"
 
@@ -52,6 +54,11 @@ def restore(
         session.carry_out(todo, images, names, moves_first=False)
     session.report.tasks = tasks
     session.report.notes = [_left_out(one) for one in saved]
+    session.report.notes += [
+        f"{task.name}: it switches its torque on by itself when it gets its power ({STARTUP})"
+        for task in tasks
+        if task.wakes
+    ]
     return session.closed()
 
 
@@ -158,6 +165,8 @@ def _has_its_id(one: SavedServo, found: Found) -> bool:
 def _task(bench: Bench, saved: SavedServo, now: ControlImage) -> Task:
     """Say what is to be done to a servo, by a way on which nobody else is."""
     changes = differences(saved.image, now)
+    for change in changes:
+        _require_possible(saved, change)
     task = Task(name=saved.name, image=now, changes=changes)
     for moves in permutations(task.moves):
         other = replace(task, changes=(*task.fills, *moves))
@@ -165,6 +174,38 @@ def _task(bench: Bench, saved: SavedServo, now: ControlImage) -> Task:
         if not (presence.found or presence.garbled):
             return other
     return task
+
+
+def _require_possible(saved: SavedServo, change: Change) -> None:
+    """Refuse what a servo would refuse, before anything is written.
+
+    Raises:
+        ConfigError: With the register, what it would be, and what it may be.
+    """
+    register, model = change.register, saved.image.model
+    allowed = _allowed(register, model)
+    if allowed is None or change.new in allowed or change.new == register.initial:
+        return
+    if register.name == _SECONDARY and change.new >= MAX_SERVO_ID:
+        return  # all of them mean that there is none
+    words = f"{allowed[0]} to {allowed[-1]}"
+    if not isinstance(allowed, range):
+        words = ", ".join(map(str, allowed))
+    raise ConfigError(
+        "the backup",
+        f"{saved.name}.{register.name}",
+        f"is {change.new}, a {model.name} takes {words}: was the file edited?",
+    )
+
+
+def _allowed(register: Register, model: ServoModel) -> Sequence[int] | None:
+    """Give what a register takes; None: what it takes hangs on other registers."""
+    if register.name == "Baud Rate":
+        return tuple(model.baud_codes)
+    if register.name == "Operating Mode":
+        return model.modes
+    low, high = register.minimum, register.maximum
+    return range(low, high + 1) if isinstance(low, int) and isinstance(high, int) else None
 
 
 def _left_out(saved: SavedServo) -> str:

@@ -102,7 +102,7 @@ class Session:
         if moves_first:
             for task in tasks:
                 writer.fill(here[task.name], task.fills)
-        writer.restart([here[task.name] for task in tasks])
+        writer.restart([here[task.name] for task in tasks if not task.wakes])
         for task in tasks:
             self._verify(task, here[task.name])
 
@@ -140,15 +140,15 @@ class Session:
 
     def _back_up(self, tasks: Sequence[Task]) -> None:
         """Keep what the servos hold before the first write."""
-        if self.report.backup is None:
-            self.report.backup = backup_file(self._arm, self._bench.port)
+        file = self.report.backup or backup_file(self._arm, self._bench.port)
         known = {saved.name for saved in self._saved}
         for task in tasks:
             if task.name not in known:
                 then = task.path(task.image.address)
                 self._saved.append(SavedServo(task.name, task.image, then[-1] if then else None))
         backup = Backup(arm=self._arm, port=self._bench.port, servos=tuple(self._saved))
-        write_backup(self.report.backup, backup)
+        write_backup(file, backup)
+        self.report.backup = file
 
     def _open_up(self, task: Task) -> None:
         """Let a servo's answers be heard and its EEPROM be written."""

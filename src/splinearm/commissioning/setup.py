@@ -16,7 +16,7 @@ from .bench import Address, Bench, Found
 from .identify import name_of
 from .image import ControlImage
 from .person import DeclinedError, Person
-from .search import call_file
+from .search import FACTORY_ID, call_file, factory_baud
 from .session import ERRORS, Session, SessionReport
 from .survey import Look, Survey
 from .task import Change, Task, in_words
@@ -80,7 +80,11 @@ class Setup:
         """
         look = self._everywhere()
         report = self.report
-        report.left += [_shared(address) for address in look.garbled]
+        report.left += [
+            f"{address}: answers are damaged each time, as if two servos had this id (fresh out of "
+            "the box all have one): each will be asked for by itself"
+            for address in look.garbled
+        ]
         report.left += [_mute(one) for one in look.mute]
         report.left += [_missing(servo, look) for servo in look.missing]
         report.notes += [_stranger(one) for one in look.match.strangers]
@@ -100,6 +104,8 @@ class Setup:
         look = self._give_voice(self._everywhere())
         self._note_strangers(look)
         self._do(look, self._tasks(look))
+        if any(not self._is_fresh(address) for address in look.garbled):
+            self._survey.one_by_one = True  # an id that two have says nothing
         for servo in self._chain.servos:
             if servo.name not in self._done:
                 self._bring_in(servo, look)
@@ -188,6 +194,11 @@ class Setup:
             parked.append(Task(name=name, image=image, changes=(change,)))
         return parked
 
+    def _is_fresh(self, address: Address) -> bool:
+        """Tell whether servos fresh out of the box are there, which all have one id."""
+        rates = [factory_baud(servo.servo_model) for servo in self._chain.servos]
+        return address.servo_id == FACTORY_ID and address.baud in rates
+
     # --- one by one
 
     def _bring_in(self, servo: ServoSpec, look: Look) -> None:
@@ -257,6 +268,8 @@ class Setup:
         for _ in range(_ROUNDS):
             while len(call_file(self._bench, self._chain).found) < len(self._chain.servos):
                 look = self._survey.near()
+                for address in look.garbled if asked else ():
+                    self._tell_once(_shared(address))
                 absent = list(look.match.missing)
                 if absent and not asked:
                     self._person.connects_all([servo.name for servo in absent])

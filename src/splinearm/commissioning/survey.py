@@ -53,7 +53,8 @@ class Survey:
         self._bench = bench
         self._chain = chain
         self._settled = settled
-        self._one_by_one = one_by_one
+        self.one_by_one = one_by_one
+        """Whether to believe the ids of no others than those that are settled."""
 
     def everywhere(self) -> Look:
         """Look where all should be; if they are not all there, everywhere.
@@ -66,7 +67,8 @@ class Survey:
             return look
         presence = call_everyone(self._bench, self._chain, until_all=True)
         look = self._understood(presence.found, presence.garbled)
-        if not look.match.missing or not presence.found:
+        crowded = bool(look.garbled)  # they are to be connected one by one, wherever others are
+        if not look.match.missing or not presence.found or crowded:
             return look
         return self.far()
 
@@ -114,9 +116,9 @@ class Survey:
                 shared.append(one.address)
             except BusTimeoutError:
                 mute += call_at(self._bench, [one.address]).found  # or it was just unplugged
-        settled = () if alone and self._one_by_one else self._settled
+        settled = () if alone and self.one_by_one else self._settled
         return Look(
-            match=match(clear, self._chain, settled, one_by_one=self._one_by_one),
+            match=match(clear, self._chain, settled, one_by_one=self.one_by_one),
             images=images,
             garbled=tuple(shared),
             mute=tuple(mute),

@@ -14,6 +14,10 @@ ADDRESSING = ("ID", "Baud Rate", "Protocol Type")
 """The registers after which a servo is reached otherwise, in the order in which setup writes."""
 
 
+STARTUP, TORQUE_AT_START = "Startup Configuration", 1
+"""The register, and its bit, by which a servo switches its torque on when it gets its power."""
+
+
 class Change(NamedTuple):
     """A register that is to hold something else."""
 
@@ -49,6 +53,12 @@ class Task:
     def has_torque(self) -> bool:
         """Whether its torque is on, so that its EEPROM is closed."""
         return bool(self.image.value("Torque Enable"))
+
+    @property
+    def wakes(self) -> bool:
+        """Whether it switches its torque on by itself when it starts, once all is written."""
+        last = {change.register.name: change.new for change in self.changes}
+        return bool(last.get(STARTUP, self.image.value(STARTUP) or 0) & TORQUE_AT_START)
 
     @property
     def moves(self) -> tuple[Change, ...]:

@@ -8,7 +8,7 @@ from splinearm.drivers.startup import is_coupled
 from splinearm.errors import ServoError
 
 from .image import ControlImage
-from .task import ADDRESSING, Change
+from .task import ADDRESSING, STARTUP, TORQUE_AT_START, Change
 
 _ANSWER_ALL = 2
 _NO_SECONDARY, _SECONDARY = 253, "Secondary(Shadow) ID"
@@ -46,6 +46,8 @@ def wishes(
     wanted |= {name: v for name, v in servo.settings.items() if table[name].area is Area.EEPROM}
     wanted |= _wider(servo, image, reach, wanted)
     wanted |= _stronger(image, wanted)
+    if STARTUP not in wanted:  # torque comes from who moves the arm, not with the power
+        wanted[STARTUP] = (image.value(STARTUP) or 0) & ~TORQUE_AT_START
     secondary = image.value(_SECONDARY)
     if secondary is not None and min(secondary, wanted.get(_SECONDARY, 0)) >= _NO_SECONDARY:
         wanted[_SECONDARY] = secondary  # all of them mean that there is none
@@ -86,7 +88,7 @@ def require_firmware(name: str, image: ControlImage, wanted: dict[str, int]) -> 
     for is_wanted, first, what in (
         (mode & _TIME_BASED, _FIRST_TIME_BASED, f"{_DRIVE} {mode} (profiles by time)"),
         (mode & _BY_GOAL, by_goal, f"{_DRIVE} {mode} (torque on by a goal)"),
-        (wanted.get("Startup Configuration", 0), _FIRST_STARTUP, "Startup Configuration"),
+        (wanted.get(STARTUP, 0), _FIRST_STARTUP, STARTUP),
     ):
         if is_wanted and firmware < first:
             raise ServoError(

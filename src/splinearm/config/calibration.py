@@ -6,6 +6,8 @@ Whatever takes the place of another leaves that one there under its date.
 
 import logging
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from urllib.parse import quote
@@ -14,12 +16,13 @@ from splinearm.errors import ConfigError
 
 from .calibration_table import (
     Calibration,
+    ServoCalibration,
     apply_calibration,
     calibration_text,
     read_calibration,
 )
 from .cell import Cell
-from .folder import user_folder, write_whole
+from .folder import is_there, user_folder, write_whole
 
 DEFAULT = "default"
 """Name of the calibration that is in use."""
@@ -56,7 +59,7 @@ def find_calibration(arm: str, name: str | None = None) -> Calibration | None:
         ConfigError: If there is none of that name, or its file cannot be used.
     """
     file = calibration_file(arm, name or DEFAULT)
-    if not file.exists() and name is None:
+    if name is None and not is_there(file):
         return None
     return _read(arm, file)
 
@@ -80,8 +83,26 @@ def calibrated(cell: Cell, name: str | None = None) -> Cell:
     return apply_calibration(cell, calibration, file)
 
 
-def save_calibration(calibration: Calibration) -> Path:
+def fitting(cell: Cell, calibration: Calibration) -> Calibration:
+    """Give a calibration without the servos that do not fit the arm's file, as it is by now."""
+    file = calibration_file(cell.name, calibration.name)
+
+    def fits(servo: ServoCalibration) -> bool:
+        try:
+            apply_calibration(cell, replace(calibration, servos=(servo,)), file)
+        except ConfigError:
+            return False
+        return True
+
+    return replace(calibration, servos=tuple(filter(fits, calibration.servos)))
+
+
+def save_calibration(calibration: Calibration, *, over: Calibration | None = None) -> Path:
     """Write a calibration; one of the same name stays, under its date.
+
+    Args:
+        calibration: What to write.
+        over: What need not stay: one that grows joint by joint, as it was written before.
 
     Returns:
         Its file.
@@ -91,8 +112,10 @@ def save_calibration(calibration: Calibration) -> Path:
     """
     file = calibration_file(calibration.arm, calibration.name)
     text = calibration_text(calibration)
-    if file.exists() and file.read_bytes() != text.encode():
-        _put_aside(file, calibration)
+    own = [text] if over is None else [text, calibration_text(over)]
+    with _blaming(file):
+        if file.exists() and file.read_bytes() not in [words.encode() for words in own]:
+            _put_aside(file)
     write_whole(file, text)
     return file
 
@@ -108,10 +131,12 @@ def rename_calibration(arm: str, name: str, fresh: str) -> Path:
     """
     calibration = _read(arm, calibration_file(arm, name))
     file = calibration_file(arm, fresh)
-    if file.exists():
+    if is_there(file):
         raise ConfigError(file, "", "is there already; take another name")
     write_whole(file, calibration_text(replace(calibration, name=fresh)))
-    calibration_file(arm, name).unlink()
+    former = calibration_file(arm, name)
+    with _blaming(former):
+        former.unlink()
     return file
 
 
@@ -130,7 +155,7 @@ def use_calibration(arm: str, name: str) -> Path:
 
 def _read(arm: str, file: Path) -> Calibration:
     """Read a calibration that must be there."""
-    if not file.exists():
+    if not is_there(file):
         there = ", ".join(calibration_names(arm)) or "none"
         reason = f"there is no such calibration of {arm}; there are: {there}"
         raise ConfigError(file, "", reason)
@@ -146,18 +171,38 @@ def _folder(arm: str) -> Path:
     return user_folder() / "calibrations" / quote(arm, safe=" ").replace(".", "%2E")
 
 
-def _put_aside(file: Path, fresh: Calibration) -> None:
+def _put_aside(file: Path) -> None:
     """Keep what is there under its date; of a broken file the bytes as they are."""
     try:
         former = read_calibration(file)
     except ConfigError:
         file.replace(_free(file.with_name(f"{file.stem}-broken.toml.txt")))
         return
-    if former.date == fresh.date:
-        return  # the same one, which grows joint by joint
+    if _is_elsewhere(file, former):
+        return
     day = former.date.strftime("%Y%m%d-%H%M%S")
-    aside = _free(calibration_file(fresh.arm, f"{file.stem}-{day}"))
+    aside = _free(file.with_name(f"{file.stem}-{day}{file.suffix}"))
     write_whole(aside, calibration_text(replace(former, name=aside.stem)))
+
+
+def _is_elsewhere(file: Path, calibration: Calibration) -> bool:
+    """Tell whether a calibration lies beside its file under another name too."""
+    text = calibration_text(calibration)
+    for other in file.parent.glob("*.toml"):
+        with suppress(ConfigError):
+            same = replace(read_calibration(other), name=calibration.name)
+            if other != file and calibration_text(same) == text:
+                return True
+    return False
+
+
+@contextmanager
+def _blaming(file: Path) -> Iterator[None]:
+    """Turn what the disk refuses into an error that names the file."""
+    try:
+        yield
+    except OSError as error:
+        raise ConfigError(file, "", f"cannot be kept ({error.strerror or error})") from error
 
 
 def _free(file: Path) -> Path:

@@ -18,10 +18,18 @@ def user_folder() -> Path:
 
     $SPLINEARM_HOME if that is set; else ``splinearm`` in the configuration folder of the system:
     $XDG_CONFIG_HOME or ~/.config, on Windows %APPDATA%, on macOS ~/Library/Application Support.
+
+    Raises:
+        ConfigError: If whose home is meant is nobody's.
     """
-    if own := os.environ.get(HOME):
-        return Path(own).expanduser().absolute()
-    return _configuration_folder(sys.platform) / _NAME
+    own = os.environ.get(HOME)
+    try:
+        if own:
+            return Path(own).expanduser().absolute()
+        return _configuration_folder(sys.platform) / _NAME
+    except RuntimeError as error:  # ~somebody, or a user without a home
+        reason = f"there is no such home folder; set {HOME} to a folder"
+        raise ConfigError(own or "~", "", reason) from error
 
 
 def _configuration_folder(platform: str) -> Path:
@@ -34,6 +42,19 @@ def _configuration_folder(platform: str) -> Path:
     xdg = os.environ.get("XDG_CONFIG_HOME", "")
     # the XDG Base Directory Specification 0.8: a path that is not absolute is to be ignored
     return Path(xdg) if Path(xdg).is_absolute() else Path.home() / ".config"
+
+
+def is_there(file: Path) -> bool:
+    """Say whether a file is there.
+
+    Raises:
+        ConfigError: If that cannot be told, or no file can have that name.
+    """
+    try:
+        return file.exists()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ConfigError(file, "", f"cannot be looked at ({reason}); check its name") from error
 
 
 def write_whole(file: Path, text: str) -> None:

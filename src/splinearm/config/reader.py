@@ -298,11 +298,11 @@ def read_file(file: str | PathLike[str], schema: str) -> Table:
     path = Path(file)
     try:
         text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise ConfigError(file, "", f"cannot be read ({reason}); check its name") from error
     except UnicodeDecodeError as error:
         raise ConfigError(file, "", "is not UTF-8 text; save it as UTF-8") from error
+    except (OSError, ValueError) as error:  # no name may hold a NUL
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ConfigError(file, "", f"cannot be read ({reason}); check its name") from error
     try:
         values = tomllib.loads(text, parse_float=_exact)
     except (ValueError, RecursionError) as error:

@@ -19,6 +19,9 @@ from splinearm.trajectories.taught import TaughtMotion
 from .reader import Table
 from .unit import positions_key, to_file_units
 
+LONGEST = 3600.0
+"""A piece lasts no longer, s: it is looked at whole before anything moves."""
+
 TAUGHT_KEY = "knots"
 """The key by which such a piece is known."""
 
@@ -46,7 +49,7 @@ def read_taught(table: Table, limits: JointLimits) -> TaughtMotion:
             raise table.refuse("rest_s", f"wants a number for each of {len(u)} rest_u")
         rests = tuple(zip(u.tolist(), seconds.tolist(), strict=True))
     with table.blaming(TAUGHT_KEY):
-        return TaughtMotion(
+        taught = TaughtMotion(
             names=limits.names,
             degree=degree,
             knots=knots,
@@ -54,6 +57,11 @@ def read_taught(table: Table, limits: JointLimits) -> TaughtMotion:
             rests=rests,
             words=table.text("fitted", ""),
         )
+    if taught.duration > LONGEST:
+        raise table.refuse(
+            TAUGHT_KEY, f"with its rests it lasts {taught.duration:.4g} s; want at most {LONGEST:g}"
+        )
+    return taught
 
 
 def taught_text(taught: TaughtMotion, kinds: Sequence[JointKind]) -> str:

@@ -21,6 +21,9 @@ EXPLAINED = (BusTimeoutError, PacketError, PortError)
 _SILENCING = frozenset(("S01", "S06", "S09", "S11"))
 """What may be wrong inside a servo that does not answer as it should."""
 
+_DAMAGING = frozenset(("P05", "L05", "L07", "L11"))
+"""What may be wrong on a line on which answers come damaged, whatever else is."""
+
 _NO_PORTS = ("mujoco", "virtual")
 
 
@@ -99,6 +102,8 @@ def _first(
     except SplinearmError:
         return None
     telling = [f for f in diagnosis.findings if _tells(f, error)]
+    if isinstance(error, PacketError):
+        telling = [f for f in telling if f.code in _DAMAGING] or telling
     serious = [f for f in telling if f.severity is Severity.ERROR]
     return next(iter(serious or telling), None)
 
