@@ -16,6 +16,9 @@ from splinearm.joints import JointState
 TOOL_SPEED = 0.25
 """How fast the tool's goal may be, m/s: what ISO 10218-1 allows an arm beside a person."""
 
+_BETWEEN = 0.997
+"""Share of it that the joints of a cycle may amount to: from one to the next it is a little more."""
+
 
 def guide(
     station: Station,
@@ -80,6 +83,6 @@ def tool_haste(cell: Cell) -> Haste:
     arm = cell.arm
 
     def haste(q: FloatArray, qd: FloatArray) -> float:
-        return float(np.linalg.norm(arm.jacobian(q)[:3] @ qd)) / TOOL_SPEED
+        return float(np.linalg.norm(arm.jacobian(q)[:3] @ qd)) / (_BETWEEN * TOOL_SPEED)
 
     return haste

@@ -281,3 +281,28 @@ def terminal():
     yield start
     for each in opened:
         each.close()
+
+
+SCREENS = Path(__file__).parents[2] / "docs" / "screens"
+"""What pages show of terminals. To draw it anew: ``DRAW_SCREENS=1 pytest tests/cli/test_jog.py``,
+``test_monitor.py`` and ``test_teach.py``."""
+
+
+@pytest.fixture
+def kept():
+    """Compares a screen with the one that the pages show, but for numbers, bars and blanks."""
+
+    def compare(name: str, screen: str) -> None:
+        file = SCREENS / f"{name}.txt"
+        port = re.compile(r"on (?:unix:)?/tmp/\S+?(?=,|$)", re.MULTILINE)
+        shown = port.sub("on /dev/ttyUSB0", screen) + "\n"
+        if os.environ.get("DRAW_SCREENS"):
+            file.write_text(shown, encoding="utf-8")
+        assert _structure(shown) == _structure(file.read_text(encoding="utf-8"))
+
+    return compare
+
+
+def _structure(screen: str) -> list[str]:
+    plain = re.sub(r"-?\d+(\.\d+)?", "0", re.sub(r"\[[-#]+\]", "[]", screen))
+    return [" ".join(line.split()) for line in plain.splitlines()]

@@ -2,12 +2,16 @@
 
 import os
 import pty
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
 import pytest
 
 from splinearm.cli.main import REFUSED
+from splinearm.config import load_job
+from splinearm.errors import ConfigError
 
 FIRST = "position_mm = [350.0, 100.0, 60.0]"
 
@@ -189,3 +193,17 @@ def test_a_motion_that_cannot_be_carried_out(cli):
     cli("plan", cli.job(), "--save", "m.json")
     refused(cli, "run", "m.json", "--arm", "wx250s", says=["m.json", "joint1", "waist"])
     refused(cli, "plan", cli.job(), "--save", "m.json", says=["m.json", "is there already"])
+
+
+@pytest.mark.parametrize(("where", "code"), [("> /dev/full", 1), (">&-", 0)])
+def test_output_that_cannot_be_written_ends_in_one_line(where, code):
+    command = f"{sys.executable} -m splinearm arms {where}"
+    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
+    assert done.returncode == code
+    said = "splinearm: cannot go on: [Errno 28] No space left on device\n"
+    assert done.stderr == (said if code else "")
+
+
+def test_a_file_that_no_name_can_be_is_refused():
+    with pytest.raises(ConfigError, match="check its name"):
+        load_job("a\0b.toml")

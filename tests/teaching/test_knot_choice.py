@@ -10,12 +10,12 @@ from splinearm.teaching.knot_choice import KnotChoice
 U = np.linspace(0.0, 4.0, 401)
 
 
-def choice_of(q, near, degree=3, **more):
+def choice_of(q, near, degree=3, u=U, **more):
     wide = np.full(q.shape[1], 100.0)
     return KnotChoice(
-        u=U,
+        u=u,
         q=q,
-        misses=lambda found: np.abs(found - q).max(axis=1) / near,
+        misses=lambda found, part: np.abs(found - q[part]).max(axis=1) / near,
         degree=degree,
         low=more.get("low", -wide),
         high=more.get("high", wide),
@@ -57,6 +57,15 @@ def test_no_control_point_goes_beyond_a_limit():
     limit = np.array([1.0, 4.0])
     found = choice_of(q, 5e-3, low=-limit, high=limit).fewest()
     assert (np.abs(found.curve.points) <= limit).all()
+
+
+def test_long_ones_are_looked_at_window_by_window_at_the_cost_of_few_knots():
+    u = np.round(np.linspace(0.0, 46.0, 4600), 4)
+    q = np.column_stack((np.sin(u), np.cos(0.7 * u)))
+    found = choice_of(q, 1e-3, u=u).fewest()
+    assert np.abs(found.curve.at(u) - q).max() <= 1e-3
+    once = choice_of(q[:1400], 1e-3, u=u[:1400]).fewest()
+    assert len(found.inner) <= 1.2 * 4600 / 1400 * (len(once.inner) + 1)
 
 
 def test_what_no_curve_follows_is_refused():

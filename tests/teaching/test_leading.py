@@ -7,9 +7,10 @@ import pytest
 
 from splinearm.backends import open_arm
 from splinearm.control.stop import StopRequest
-from splinearm.errors import ConfigError, StaleFeedbackError
+from splinearm.errors import ConfigError, MotionError, StaleFeedbackError
+from splinearm.sim.line_fault import LineFault
 from splinearm.sim.virtual_bus import VirtualBus
-from splinearm.teaching.leading import is_carried, lead, record
+from splinearm.teaching.leading import Limp, is_carried, lead, record
 
 pytestmark = pytest.mark.bus
 
@@ -62,10 +63,47 @@ def test_an_arm_that_does_not_answer_any_more_ends_it(bus, station, planar):
 
     try:
         with pytest.raises(StaleFeedbackError):
-            lead(station, planar, fall_silent, limp=lambda: False)
+            lead(station, planar, fall_silent, limp=Limp(wished=lambda: False))
     finally:
         bus.silent = False
     assert None in seen
+
+
+def test_a_servo_that_cannot_be_held_at_once_is_told_and_tried_again(bus, station, planar):
+    said, seen, stop = [], [], StopRequest()
+
+    def silence(state):
+        seen.append(state)
+        if len(seen) == 5:
+            bus.faults = (LineFault.parse("dead id=2"),)
+            stop.request()
+
+    def hear(words):
+        said.append(words)
+        bus.faults = ()
+
+    lead(station, planar, silence, limp=Limp(wished=lambda: True, announce=hear), stop=stop)
+    assert "NOT HELD: keep supporting it; servo 2" in said[0]
+    assert said[1:] == ["the arm is held"]
+    assert all(servo.torque_on for servo in bus.all_servos)
+
+
+def test_an_arm_that_cannot_be_held_is_told_by_the_error(bus, station, planar, monkeypatch):
+    monkeypatch.setattr("splinearm.teaching.leading._PATIENCE", 0.0)
+
+    seen = []
+
+    def silence(state):
+        seen.append(state)
+        if len(seen) == 5:
+            bus.faults = (LineFault.parse("dead id=2"),)
+            raise KeyError  # whatever it is
+
+    try:
+        with pytest.raises(MotionError, match="NOT HELD: keep supporting it"):
+            lead(station, planar, silence, limp=Limp(wished=lambda: True))
+    finally:
+        bus.faults = ()
 
 
 def test_an_arm_of_no_servos_cannot_be_led(planar):

@@ -97,3 +97,10 @@ def test_what_is_shown_is_how_far_it_is(lesson):
     assert shown.duration == pytest.approx(0.1)
     lesson.press(" ", "x")
     assert lesson.session.lesson().pieces == ("0.1 s, 11 samples",)
+
+
+def test_a_warning_stands_until_the_arm_is_read_again(lesson):
+    lesson.session.warn("NOT HELD")
+    assert lesson.session.lesson().warning == "NOT HELD"
+    lesson.goes_on(1)
+    assert not lesson.session.lesson().warning

@@ -26,15 +26,36 @@ _SHOWN = 3.0
 """How long a note stays on the screen, s."""
 
 
+_EPILOG = """keys:
+    up down       choose a joint, or 1 to 9; left and right move it
+    tab           joints, the tool along the axes of the base, along its own
+    m             moves while a key is held, or in steps
+    + - [ ]       speed and step
+    space         brakes
+    g G           closes and opens the gripper
+    w             saves this place as a waypoint
+    q, esc        brake, hold and end
+
+The screen says which keys move what.
+
+exit codes:
+    0  it was ended by q or esc; the arm holds
+    1  a fault has ended it: it says whether the arm holds
+    2  refused; nothing moved
+  130  it was ended by Ctrl-C, SIGTERM or the loss of its terminal; the arm holds"""
+
+
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Declare the command's words."""
     parser = commands.add_parser(
         "jog",
         help="move an arm by the keyboard",
-        description="Move an arm by the keyboard: joint by joint, or its tool along the axes of "
-        "the base or of the tool. The tool does at most 250 mm/s. A terminal does not say when a "
-        "key is let go: the arm brakes when no more of its repeats come, and holds, as it does "
-        "when the terminal is closed.",
+        description="Move an arm by the keyboard: joint by joint, or its tool along the axes of\n"
+        "the base or of the tool. The tool does at most 250 mm/s. A terminal does not\n"
+        "say when a key is let go: the arm brakes when no more of its repeats come, and\n"
+        "holds, as it does when the terminal is closed.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("arm", help="the arm's file, or the name of an arm that is shipped")
     port_words.add_port(parser, virtual=False)
@@ -45,13 +66,25 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         help="mujoco: a simulation; virtual: servos on a virtual bus instead of a port",
     )
     parser.add_argument(
-        "--speed-mm-s", type=float, default=50.0, help="speed of the tool (default 50, most 250)"
+        "--speed-mm-s",
+        type=float,
+        default=50.0,
+        metavar="V",
+        help="speed of the tool, mm/s (default: 50; at most 250)",
     )
     parser.add_argument(
-        "--speed-deg-s", type=float, default=15.0, help="speed of turns (default 15, most 60)"
+        "--speed-deg-s",
+        type=float,
+        default=15.0,
+        metavar="V",
+        help="speed of turns, deg/s (default: 15; at most 60)",
     )
-    parser.add_argument("--step-mm", type=float, default=None, help="move in steps of so much")
-    parser.add_argument("--step-deg", type=float, default=None, help="turn in steps of so much")
+    parser.add_argument(
+        "--step-mm", type=float, default=None, metavar="MM", help="move in steps of so much"
+    )
+    parser.add_argument(
+        "--step-deg", type=float, default=None, metavar="DEG", help="turn in steps of so much"
+    )
     parser.add_argument(
         "--waypoints",
         type=Path,

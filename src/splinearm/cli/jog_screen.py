@@ -3,6 +3,7 @@
 import os
 import select
 import sys
+import textwrap
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -19,6 +20,8 @@ from .jog_key import Settings
 _PATIENCE = 0.5
 """How long a terminal may take until it takes something again, s."""
 _BAR = 21
+_NOTE_LINES, _NOTE_WIDTH = 2, 79
+"""A note has that much room, also on the narrowest terminals."""
 _NEAR_DEG, _NEAR_MM = 5.0, 10.0
 """A joint that has less way left than this is marked."""
 
@@ -75,8 +78,7 @@ def lines(view: View) -> list[str]:
         "",
         f"tool in base  {pose_words(view.cell, view.q)}",
         f"the arm {'moves' if view.moving else 'holds'}; {view.brakes}",
-        view.note,
-        "",
+        *_note(view.note),
         *(_JOINT_KEYS if chosen.mode == "joints" else _TOOL_KEYS),
         *_KEYS,
         *([_GRIPPER] if view.has_gripper else []),
@@ -102,6 +104,12 @@ def _joints(view: View) -> list[str]:
             f"{left:8.1f} {'mm ' if slides else 'deg'}  {_bar(now[k], low[k], high[k])}{close}"
         )
     return rows
+
+
+def _note(words: str) -> list[str]:
+    """Give a note in so many lines, whatever it says."""
+    shown = textwrap.wrap(words, _NOTE_WIDTH, max_lines=_NOTE_LINES, placeholder=" ...")
+    return [*shown, *[""] * (_NOTE_LINES - len(shown)), ""]
 
 
 def _bar(value: float, low: float, high: float) -> str:

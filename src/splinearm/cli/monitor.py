@@ -31,7 +31,8 @@ exit codes:
     1  --once: a row is red
     2  it could not begin: the port, the arm's file or a word on the command line
 
-PlotJuggler takes --udp localhost:9870: Streaming, "UDP Server", protocol JSON, "use timestamp"."""
+PlotJuggler takes --udp localhost:9870: Streaming, "UDP Server", protocol JSON,
+"use timestamp"."""
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -39,8 +40,8 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser = commands.add_parser(
         "monitor",
         help="watch servos: positions, loads, heat, errors, losses",
-        description="Show how servos fare, live: of an arm, or without one of whatever answers on "
-        "a port. q or Ctrl-C ends.",
+        description="Show how servos fare, live: of an arm, or without one of whatever answers\n"
+        "on a port. q or Ctrl-C ends.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -67,9 +68,14 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "--udp", default=None, metavar="HOST:PORT", help="send each sample there, for PlotJuggler"
     )
     parser.add_argument("--csv", type=Path, default=None, metavar="FILE", help="write each sample")
-    parser.add_argument("--once", action="store_true", help="take one sample and end")
+    parser.add_argument("--once", action="store_true", help="look once and end")
     parser.add_argument(
-        "--for", type=float, default=None, metavar="SECONDS", dest="seconds", help="then end"
+        "--for",
+        type=float,
+        default=None,
+        metavar="SECONDS",
+        dest="seconds",
+        help="end after so long",
     )
     parser.set_defaults(run=run)
 

@@ -20,9 +20,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser = commands.add_parser(
         "play",
         help="carry out what was taught",
-        description="Carry out a job's pieces: motions that were taught, what the gripper does, "
-        "motions that were saved. The way is the one that was led, at any pace. Ctrl-C slows the "
-        "arm down along its path; it then holds.",
+        description="Carry out a job's pieces: motions that were taught, what the gripper does,\n"
+        "motions that were saved. The way is the one that was led, at any pace. Ctrl-C\n"
+        "slows the arm down along its path; it then holds.",
         epilog=_CODES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -50,7 +50,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "they allow (default: the job's)",
     )
     often = parser.add_mutually_exclusive_group()
-    often.add_argument("--times", type=int, default=None, metavar="N", help="how often")
+    often.add_argument(
+        "--times", type=int, default=None, metavar="N", help="how often (default: the job's, or 1)"
+    )
     often.add_argument("--loop", action="store_true", help="again and again until Ctrl-C")
     parser.add_argument("--rate", type=float, default=None, metavar="HZ", help="setpoints a second")
     parser.add_argument("--csv", type=Path, default=None, metavar="FILE", help="write every cycle")
@@ -93,9 +95,9 @@ def _job(args: argparse.Namespace) -> "Job":
     if job.program is not None:
         raise ConfigError(args.job, "toolpath", "is not played; use: splinearm run")
     if args.limits_percent is not None:
-        if not 0.0 < args.limits_percent <= 100.0:
+        if not 0.1 <= args.limits_percent <= 100.0:
             raise ConfigError(
-                "--limits-percent", "", f"want above 0 and at most 100, got {args.limits_percent:g}"
+                "--limits-percent", "", f"want 0.1 to 100, got {args.limits_percent:g}"
             )
         job = replace(job, limits_share=args.limits_percent / 100.0)
     if args.times is not None:

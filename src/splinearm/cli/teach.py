@@ -26,8 +26,9 @@ _EPILOG = """keys:
     u       takes back the piece that is being recorded, or the last one
     enter   ends: the arm holds, and the job is written
 
-Arms of which most servos measure their current, and whose file says what they weigh, are carried by
-their servos. Others have no torque while a piece is recorded: SUPPORT THE ARM. That is asked first.
+Arms of which most servos measure their current, and whose file says what they
+weigh, are carried by their servos. Others have no torque while a piece is
+recorded: SUPPORT THE ARM. That is asked first.
 
 exit codes:
     0  the job is written
@@ -40,7 +41,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser = commands.add_parser(
         "teach",
         help="record motions led by hand and keep them as a job",
-        description="Lead the arm by hand. Each piece becomes a B-spline with few control points, "
+        description="Lead the arm by hand. Each piece becomes a B-spline with few control points,\n"
         "near to what was led; pauses are kept. `splinearm play` carries the job out.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -195,6 +196,7 @@ def _lesson(
             try:
                 _lead(session, keyboard, station, cell, args)
             except SplinearmError as error:
+                say(f"{error}")  # before what was led is fitted, which takes its time
                 session.end()
                 return session, error
     session.end()
@@ -211,7 +213,7 @@ def _lead(
     """Lead the arm until the session ends."""
     from splinearm.control.aside import Aside
     from splinearm.control.stop import StopRequest
-    from splinearm.teaching.leading import is_carried, lead
+    from splinearm.teaching.leading import Limp, is_carried, lead
 
     from .teach_making import say
     from .teach_table import Board
@@ -221,6 +223,10 @@ def _lead(
     if not carried and not _is_supported(keyboard):
         return
     gripper = _gripper(station)
+
+    def is_limp() -> bool:
+        return session.recording and not session.ends
+
     with ExitStack() as stack:
         stop = stack.enter_context(StopRequest())
         board = stack.enter_context(Board(cell, carried=carried))
@@ -231,7 +237,7 @@ def _lead(
             station,
             cell,
             cycle,
-            limp=None if carried else lambda: session.recording and not session.ends,
+            limp=None if carried else Limp(wished=is_limp, announce=cycle.announce),
             stop=stop,
             rate=args.rate,
         )
@@ -297,6 +303,11 @@ class _Cycle:
             self._end()
         if key is not None or self._board.is_due():
             self._show(session.lesson())
+
+    def announce(self, words: str) -> None:
+        """Show at once what a person must know."""
+        self._session.warn(words)
+        self._show(self._session.lesson())
 
     def _grip(self, key: str) -> None:
         """Let the gripper do what was marked; a line that is lost is lost, the mark stays."""

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from splinearm.teaching.session import Grip
 
 
+_MANY = 3000
+"""So many samples take seconds."""
+
+
 def say(line: str) -> None:
     """Print a line as it is; on a terminal that is gone nobody reads it."""
     with suppress(OSError):
@@ -50,6 +54,7 @@ class Making:
                 pieces.append(one)
                 self._tell(number, {"gripper": one}, f"gripper: {one}")
                 continue
+            self._promise(number, one)
             try:
                 fitted = fit_recording(one, self._cell.arm, self._rule)
             except StillError as error:  # as between two marks of the gripper
@@ -75,6 +80,11 @@ class Making:
             print(json.dumps({"job": str(self._file), "pieces": self._said}, indent=2))
         else:
             say(f"written: {self._file}; carry it out with: splinearm play {self._file}")
+
+    def _promise(self, number: int, one: "Recording") -> None:
+        """Say what takes a while."""
+        if len(one.t) > _MANY and not self._args.json:
+            say(f"piece {number}: a curve is made of {len(one.t)} samples, which takes a while ...")
 
     def _tell(self, number: int, said: dict[str, object], *lines: str) -> None:
         self._said.append({"piece": number, **said})

@@ -9,7 +9,7 @@ from rich.console import Group, RenderableType
 from rich.live import Live
 from rich.text import Text
 
-from splinearm.teaching.session import KEYS, Lesson
+from splinearm.teaching.session import Lesson
 
 from .output import console, table
 
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 _REDRAWN = 0.2
 """Time between two pictures, s."""
+
+_KEYS = "space  starts and stops a piece    u  takes back    enter  ends, and holds"
+_GRIPPER = "g  closes the gripper, again: opens it"
 
 _SHOWN = 6
 """So many of the last pieces are shown."""
@@ -67,13 +70,23 @@ class Board:
         if lesson.q is not None:
             q = [f"{value:.1f}" for value in self._cell.to_file_units(lesson.q)]
         joints = table(names, [q])
-        if lesson.recording:
-            state = Text(f"RECORDING {lesson.duration:.1f} s, {lesson.samples} samples", "bold red")
-        else:
-            state = Text("it is carried" if self._carried else "it holds")
         first = max(len(lesson.pieces) - _SHOWN, 0)
         taken = [
             Text(f"{number}. {words}")
             for number, words in enumerate(lesson.pieces[first:], first + 1)
         ]
-        return Group(joints, state, *taken, Text(lesson.note), Text(KEYS, "dim"))
+        chain = self._cell.chain
+        has_gripper = chain is not None and any(servo.joint is None for servo in chain.servos)
+        keys = f"{_KEYS}\n{_GRIPPER}" if has_gripper else _KEYS
+        return Group(joints, self._state(lesson), *taken, Text(lesson.note), Text(keys, "dim"))
+
+    def _state(self, lesson: Lesson) -> Text:
+        """Say what the arm does, and what comes next."""
+        if lesson.warning:
+            return Text(lesson.warning, "bold red")
+        if not lesson.recording:
+            if self._carried:
+                return Text("it is carried: lead it to where a piece begins, then press space")
+            return Text("it holds: support it, then press space; it has NO TORQUE until the next")
+        words = f"RECORDING {lesson.duration:.1f} s, {lesson.samples} samples"
+        return Text(words if self._carried else f"{words}; NO TORQUE: support it", "bold red")

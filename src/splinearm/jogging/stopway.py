@@ -27,9 +27,9 @@ and hardly come out of it."""
 _TINY = 1e-12
 _ALL = 0.99
 """A wish of which this much is fulfilled is."""
-_ROUNDING, _UNFORESEEN = 1e-3, 0.02
-"""Shares of the tool's speed that are left: for rounding, and for what it gains while joints turn
-at the speeds that are known now."""
+_ROUNDING, _UNFORESEEN = 4e-3, 0.02
+"""Shares of the tool's speed that are left: for rounding and what ``Bounds`` leaves, and for what
+it gains while joints turn at the speeds that are known now."""
 
 
 class Stopway:

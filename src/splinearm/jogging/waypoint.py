@@ -64,7 +64,7 @@ class WaypointFile:
         if file is not None and not file.exists():
             start = f"{positions_key('start', self._cell.arm.limits.kinds)} = {self._numbers(q)}"
             self._append(file, _HEAD.format(name=file.stem, arm=self._arm, start=start))
-            return f"{file}: a new job that starts here; w again adds waypoints"
+            return f"a new job starts here, w again adds waypoints: {file}"
         name = next(name for k in count(1) if (name := f"p{k}") not in self._names)
         self._names.add(name)
         text = self._waypoint(name, q)

@@ -180,8 +180,9 @@ class _Target:
         to_calm = self.ruler.near(self.calm)
         led = ~self.scattered
 
-        def misses(q: FloatArray) -> FloatArray:
-            return np.maximum(to_calm.misses(q), to_samples.misses(q) * led) / closer
+        def misses(q: FloatArray, part: slice) -> FloatArray:
+            off = np.maximum(to_calm.misses(q, part), to_samples.misses(q, part) * led[part])
+            return off / closer
 
         choice = KnotChoice(
             u=self.u,

@@ -1,7 +1,8 @@
 """The fewest knots with which a B-spline stays near enough to a recording, on bare arrays."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -12,8 +13,13 @@ from splinearm.curves.bspline import BSpline
 from splinearm.curves.fit import frame_of
 from splinearm.errors import CurveError
 
-Misses = Callable[[FloatArray], FloatArray]
-"""Gives how far joints at each parameter are off, 1 being as far as they may, of (k, n): (k,)."""
+Misses = Callable[[FloatArray, slice], FloatArray]
+"""Gives how far joints are off at each of some parameters, 1 being as far as they may: of (k, n),
+at a slice of all parameters, (k,)."""
+
+_WINDOW = 1500
+"""Of longer recordings so many samples are looked at together: the time is that of their length,
+not of its square."""
 
 _ROUNDS = 30
 """How often weights are changed before knots are said not to do ..."""
@@ -64,6 +70,8 @@ class KnotChoice:
     """Highest control points, shape (n,)."""
     grain: float = 1e-4
     """Knots are multiples of that."""
+    part: slice = field(default_factory=lambda: slice(None))
+    """Which of all parameters these are."""
 
     def fewest(self) -> Found:
         """Give the curve with the fewest knots that is found.
@@ -71,6 +79,9 @@ class KnotChoice:
         Raises:
             CurveError: If not even a knot for every sample does.
         """
+        windows = len(np.unique(self.u)) // _WINDOW
+        if windows > 2:
+            return self._by_windows(windows)
         found = self._leave_out(self._insert(np.empty(0)))
         for _ in range(_PLACINGS):
             better = self._place(found)
@@ -80,9 +91,12 @@ class KnotChoice:
         return self._merge(found)
 
     def attempt(
-        self, inner: FloatArray, hopeless: float = _HOPELESS
+        self, inner: FloatArray, hopeless: float = _HOPELESS, *, at_its_nearest: bool = False
     ) -> tuple[Found | None, FloatArray]:
-        """Give the curve over some knots, None if it is too far away, and the misses."""
+        """Give the curve over some knots, None if it is too far away, and the misses.
+
+        These are those of least squares, or those of the curve that was nearest.
+        """
         start, end, ends = float(self.u[0]), float(self.u[-1]), self.degree + 1
         inner = self._grid(inner, start, end)
         knots = np.concatenate((np.full(ends, start), inner, np.full(ends, end)))
@@ -91,7 +105,7 @@ class KnotChoice:
         if frame.unknowns > len(self.u):
             return None, nothing
         near = least.equations(frame, self.u, self.q)
-        weights, first = np.ones(len(self.u)), nothing
+        weights, first, nearest = np.ones(len(self.u)), nothing, nothing
         excess: list[float] = []
         for rounds in range(_ROUNDS):
             try:
@@ -100,9 +114,11 @@ class KnotChoice:
                 return None, first
             points = np.clip(frame.all_points(found), self.low, self.high)
             curve = BSpline(knots, points, self.degree)
-            now = self.misses(basis.evaluate(knots, points, self.degree, self.u))
+            now = self.misses(basis.evaluate(knots, points, self.degree, self.u), self.part)
             if now.max() <= 1.0:
                 return Found(inner, curve), now
+            if now.max() < nearest.max():
+                nearest = now
             if rounds == 0:
                 first = now
                 if now.max() > hopeless:
@@ -114,7 +130,29 @@ class KnotChoice:
             # 1961: weights that follow the misses lead to the least largest miss
             weights = weights * (0.05 + now / now.max()) ** 2
             weights /= weights.mean()
-        return None, first
+        return None, nearest if at_its_nearest else first
+
+    def _by_windows(self, count: int) -> Found:
+        """Give the curve with the knots that windows need, and few more where they meet."""
+        edges = np.searchsorted(self.u, np.linspace(self.u[0], self.u[-1], count + 1))
+        seams, inner = self.u[edges[1:-1]], []
+        for begin, end in pairwise(edges.tolist()):
+            part = slice(begin, end + 1)
+            inner.append(replace(self, u=self.u[part], q=self.q[part], part=part).fewest().inner)
+        found = self._insert(self._joined(np.sort(np.concatenate((*inner, seams)))))
+        for seam in seams:
+            at = int(np.argmin(np.abs(found.inner - seam)))
+            found = self._leave_out(found, around=at)
+        return found
+
+    def _joined(self, inner: FloatArray) -> FloatArray:
+        """Give knots of windows with those that are wanting where they meet."""
+        while True:
+            found, misses = self.attempt(inner, np.inf, at_its_nearest=True)
+            more = np.empty(0) if found is not None else self._where_needed(inner, misses)
+            if not more.size:
+                return inner
+            inner = np.sort(np.concatenate((inner, more)))
 
     def _grid(self, inner: FloatArray, start: float, end: float) -> FloatArray:
         """Give knots as a file has them, each once."""

@@ -1,16 +1,18 @@
 """An arm in the hand: carried by its servos where they can, else without torque."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from splinearm.arrays import FloatArray
 from splinearm.backends import Station, require_chain
 from splinearm.config import Cell
+from splinearm.control.clock import Clock
 from splinearm.control.realtime import real_time
 from splinearm.control.stop import StopRequest
 from splinearm.drivers.servo_arm import ServoArm
-from splinearm.errors import BusError, ConfigError, PortError, StaleFeedbackError
+from splinearm.errors import BusError, ConfigError, MotionError, PortError, StaleFeedbackError
 from splinearm.guiding import guide
 from splinearm.joints import JointState
 
@@ -19,11 +21,30 @@ from .recording import Recording
 _SILENCE = 0.5
 """Without a reading for so long, recording ends, s."""
 
+_PATIENCE, _GLANCE = 20.0, 0.2
+"""For how long, and how often, it is tried to take hold of an arm without torque, s: a person may
+have to move a joint back first."""
+
 _LATE = 1.2
 """A reading later than so many periods stands for those that were lost before it."""
 
 Observe = Callable[[JointState | None], object]
 """Gets what was read in a cycle; None: nothing was."""
+
+
+def _ignore(words: str) -> None:
+    """Say nothing."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Limp:
+    """How an arm is led that its servos do not carry."""
+
+    wished: Callable[[], bool]
+    """Whenever it gives True the arm has no torque and **a hand must support it**; else it holds
+    where it is."""
+    announce: Callable[[str], object] = _ignore
+    """Gets a line when the arm cannot be held yet, and when it is."""
 
 
 def is_carried(station: Station, cell: Cell) -> bool:
@@ -43,7 +64,7 @@ def lead(
     cell: Cell,
     observe: Observe,
     *,
-    limp: Callable[[], bool] | None = None,
+    limp: Limp | None = None,
     stop: StopRequest | None = None,
     rate: float = 100.0,
 ) -> FloatArray:
@@ -53,8 +74,7 @@ def lead(
         station: The arm, open with its feed-forward.
         cell: What it is.
         observe: Gets every cycle, in the loop: it must be quick.
-        limp: Without it servos carry the arm. With it they do not: whenever it gives True they have
-            no torque and **a hand must support the arm**; else they hold it where it is.
+        limp: Without it servos carry the arm; with it a hand must, whenever it is wished.
         stop: Where somebody may ask for an end.
         rate: Cycles a second, Hz.
 
@@ -64,30 +84,31 @@ def lead(
     Raises:
         ConfigError: If the arm is no arm of servos, or is to be carried and cannot be.
         StaleFeedbackError: If it did not answer any more; it holds.
-        BusError: If it cannot be held.
+        MotionError: If an arm without torque cannot be held: a hand must go on supporting it.
+        BusError: If the port is gone, or a servo is ill.
     """
     if not isinstance(station.driver, ServoArm):
         raise ConfigError(cell.file, "", "only an arm of servos can be led by hand; name its port")
     if limp is None:
         bridge = max(round(_SILENCE * rate), 3)
         return guide(station, cell, stop=stop, rate=rate, observe=observe, bridge=bridge)
-    return _lead_limp(station, observe, limp, stop, rate)
+    return _lead_limp(station.driver, station.clock, observe, limp, stop or StopRequest(), rate)
 
 
 def _lead_limp(
-    station: Station,
+    driver: ServoArm,
+    clock: Clock,
     observe: Observe,
-    limp: Callable[[], bool],
-    stop: StopRequest | None,
+    limp: Limp,
+    stop: StopRequest,
     rate: float,
 ) -> FloatArray:
     """Switch the torque off and on as it is wished; in the end, however it comes, hold."""
-    driver, clock, period = station.driver, station.clock, 1.0 / rate
-    is_limp, lost = False, 0
-    with stop if stop is not None else StopRequest() as request, real_time():
+    period, is_limp, lost = 1.0 / rate, False, 0
+    with stop, real_time():
         try:
             due = clock.now()
-            while not request.requested:
+            while not stop.requested:
                 due = max(due + period, clock.now())  # what was missed is not made up for
                 clock.wait_until(due)
                 try:
@@ -100,13 +121,41 @@ def _lead_limp(
                     if lost * period > _SILENCE:
                         raise StaleFeedbackError(lost * period, _SILENCE, str(error)) from error
                 observe(state)
-                if limp() is not is_limp:
-                    is_limp = not is_limp
-                    driver.release() if is_limp else driver.hold()
+                wished = limp.wished()
+                if wished and not is_limp:
+                    is_limp = True
+                    driver.release()
+                elif is_limp and not wished:
+                    _take_hold(driver, clock, limp.announce)
+                    is_limp = False
         finally:
             if is_limp:
-                driver.hold()
+                _take_hold(driver, clock, limp.announce)
     return driver.goal
+
+
+def _take_hold(driver: ServoArm, clock: Clock, announce: Callable[[str], object]) -> None:
+    """Switch the torque on; where that cannot be done say so, and try again for a while.
+
+    Raises:
+        MotionError: If it cannot be done.
+    """
+    until, troubled = clock.now() + _PATIENCE, False
+    while True:
+        try:
+            driver.hold()
+        except BusError as error:
+            words = f"the arm is NOT HELD: keep supporting it; {error}"
+            if clock.now() >= until or isinstance(error, PortError):
+                raise MotionError(words) from error
+            if not troubled:
+                announce(words)
+            troubled = True
+            clock.wait_until(clock.now() + _GLANCE)
+        else:
+            if troubled:
+                announce("the arm is held")
+            return
 
 
 class Tape:
@@ -179,5 +228,6 @@ def record(
         if state is not None:
             tape.keep(state)
 
-    lead(station, cell, keep, limp=None if carried else lambda: True, stop=stop, rate=rate)
+    limp = None if carried else Limp(wished=lambda: True)
+    lead(station, cell, keep, limp=limp, stop=stop, rate=rate)
     return tape.recording(cell.arm.joint_names, rate)

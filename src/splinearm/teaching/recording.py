@@ -108,10 +108,10 @@ class NearRuler:
     def __init__(self, wanted: FloatArray, jacobian: FloatArray, joint: FloatArray) -> None:
         self._wanted, self._jacobian, self._joint = wanted, jacobian, joint
 
-    def misses(self, q: FloatArray) -> FloatArray:
-        """Give how far joints, shape (k, n), are off those wanted, shape (k,)."""
-        gap = q - self._wanted
-        way = (self._jacobian @ gap[..., None])[..., 0]
+    def misses(self, q: FloatArray, part: slice = slice(None)) -> FloatArray:
+        """Give how far joints, shape (k, n), are off a part of those wanted, shape (k,)."""
+        gap = q - self._wanted[part]
+        way = (self._jacobian[part] @ gap[..., None])[..., 0]
         tool = np.sqrt((way * way).sum(axis=1))
         found: FloatArray = np.maximum(tool, (np.abs(gap) / self._joint).max(axis=1))
         return found

@@ -12,9 +12,6 @@ from .recording import Recording
 Grip = Literal["open", "close"]
 """What a gripper does."""
 
-KEYS = "space starts and stops a piece, g opens or closes the gripper, u takes back, enter ends"
-"""What the keys do."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lesson:
@@ -32,6 +29,8 @@ class Lesson:
     """What was taken so far, in words."""
     note: str
     """What the last key did."""
+    warning: str = ""
+    """What is wrong with the arm; empty: nothing."""
 
 
 class Session:
@@ -49,7 +48,7 @@ class Session:
         self._has_gripper = has_gripper
         self._tape: Tape | None = None
         self._q: FloatArray | None = None
-        self._note = ""
+        self._note = self._warning = ""
         self.pieces: list[Recording | Grip] = []
         """What was taken, in order."""
         self.ends = False
@@ -62,6 +61,7 @@ class Session:
 
     def see(self, state: JointState | None) -> None:
         """Take a reading."""
+        self._warning = ""
         if state is None:
             return
         self._q = state.q
@@ -84,6 +84,10 @@ class Session:
         self._finish()
         self.ends = True
 
+    def warn(self, words: str) -> None:
+        """Let something be said of the arm until the next reading."""
+        self._warning = words
+
     def lesson(self) -> Lesson:
         """Give how far it is."""
         tape = self._tape
@@ -94,11 +98,12 @@ class Session:
             samples=0 if tape is None else len(tape),
             pieces=tuple(map(words_of, self.pieces)),
             note=self._note,
+            warning=self._warning,
         )
 
     def _start_or_stop(self) -> None:
         if self._tape is None:
-            self._tape, self._note = Tape(), "recording"
+            self._tape, self._note = Tape(), "lead it; space stops this piece"
         else:
             self._finish()
 
