@@ -13,6 +13,7 @@ import os
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
+from pathlib import Path
 from typing import Protocol
 
 from splinearm.errors import (
@@ -103,6 +104,7 @@ def build_parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; give the exit code."""
+    _open_closed_streams()
     parser = build_parser()
     completion.answer_shell(parser)
     args = parser.parse_args(argv)
@@ -122,16 +124,28 @@ def main(argv: Sequence[str] | None = None) -> int:
         # the first plan on a machine is silent for ten seconds otherwise
         logging.getLogger("splinearm.compiled").setLevel(logging.INFO)
     try:
-        return int(args.run(args))
+        code = int(args.run(args))
+        sys.stdout.flush()  # what cannot be written any more shall be said here
     except SplinearmError as error:
         _complain(_in_words(error, args))
         return FAULT if isinstance(error, MotionError) and not _unmoved(error) else REFUSED
     except KeyboardInterrupt:
         _complain("stopped")
         return INTERRUPTED
-    except BrokenPipeError:  # who read what is printed has gone, as `head` does
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        if not isinstance(error, BrokenPipeError):  # who read it has gone, as `head` does
+            _complain(f"cannot go on: {error}")
+        with suppress(OSError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAULT
+    return code
+
+
+def _open_closed_streams() -> None:
+    """Give a program that was started with closed streams some that lead nowhere."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
 
 
 def _complain(words: str) -> None:
