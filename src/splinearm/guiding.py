@@ -17,7 +17,7 @@ TOOL_SPEED = 0.25
 """How fast the tool's goal may be, m/s: what ISO 10218-1 allows an arm beside a person."""
 
 _BETWEEN = 0.997
-"""Share of it that the joints of a cycle may amount to: from one to the next it is a little more."""
+"""Share of it that joints may amount to in a cycle: between two the tool is a little quicker."""
 
 
 def guide(
