@@ -18,12 +18,12 @@ from toolpaths_offset import TOLERANCE, by_pyclipr, by_shapely, islands
 
 from splinearm.arrays import FloatArray
 from splinearm.toolpaths.action import ArcFeed, Feed, Rapid
-from splinearm.toolpaths.clearance import Wall
 from splinearm.toolpaths.contour import Contour
 from splinearm.toolpaths.cutter import Cutter
 from splinearm.toolpaths.offset import offset, rings
-from splinearm.toolpaths.operation import Milling
+from splinearm.toolpaths.operation import Milling, Notes
 from splinearm.toolpaths.pocket import pocket, pocket_runs
+from splinearm.toolpaths.pocket_side import ContourSides
 from splinearm.toolpaths.region import Region
 from splinearm.toolpaths.spiral import spiral
 from splinearm.toolpaths.zigzag import zigzag
@@ -65,7 +65,6 @@ def main() -> None:
     print(f"{processor()}, Python {platform.python_version()}, {datetime.date.today()}")
     print(f"{os.cpu_count()} processors; tolerance of peers {TOLERANCE * 1e3} mm")
     part, setting = islands(), milling(STEP)
-    wall = Wall.of(part.contours, RADIUS)
     steps = [-(RADIUS + k * STEP) for k in range(60)]
     steps = [d for d, found in zip(steps, rings(part, steps), strict=True) if found]
     makers = {"shapely": by_shapely(), "pyclipr": by_pyclipr()}
@@ -73,13 +72,13 @@ def main() -> None:
     chains = [[work(part, d) for d in steps] for work in peers.values()]
     works = [
         lambda: rings(part, [*steps, steps[-1] - STEP]),
-        lambda: pocket_runs(part, setting, wall),
+        lambda: pocket_runs(ContourSides(part), setting, Notes()),
         lambda: pocket([part], setting),
         *(lambda runs=runs: [run() for run in runs] for runs in chains),
     ]
     times = shortest(*works, number=1, rounds=15)
     found = [c for ring in rings(part, steps) for region in ring for c in region.contours]
-    runs = pocket_runs(part, setting, wall)
+    runs = pocket_runs(ContourSides(part), setting, Notes())
     links = sum(track.link for run in runs for track in run.tracks)
     print(
         f"{len(steps)} rings, {len(found)} loops of {sum(len(c.bulges) for c in found)} lines and "

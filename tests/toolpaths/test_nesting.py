@@ -51,6 +51,16 @@ def test_crossing_wires_are_refused_with_the_place():
     assert caught.value.where == pytest.approx((1.0, 1.0))
 
 
+def test_outlines_along_each_other_are_neighbours_unless_they_part_to_the_other_side():
+    one = square(0, 0, 1)
+    assert len(nested([one, square(1, 0, 1)], 1e-4).regions) == 2
+    # along the edge before it leads into the square, and again behind
+    over = [[2, 0.1], [2, 0.9], [1, 0.9], [1, 0.8], [0.5, 0.5], [1, 0.3], [1, 0.1]]
+    with pytest.raises(ContourError, match="wires 1 and 2 cross") as caught:
+        nested([one, wire(Contour.polyline(over))], 1e-4)
+    assert caught.value.where[0] == pytest.approx(1.0)
+
+
 def test_open_wires_and_none_enclose_nothing():
     line = Wire((LinePiece(np.zeros(2), np.ones(2)),), closed=False)
     for wires in ([], [line]):

@@ -1,9 +1,11 @@
 """Offsets of a thousand random pockets, measured by distances that nothing else is made by.
 
 Pockets are mazes with rounded corners (walls of equal width in great number, which offsets meet
-exactly), coasts (rough at every scale) and stars, half of them with islands.
+exactly), coasts (rough at every scale) and stars, half of them with islands. Some are offset with
+corners that are not round, some with slits and spikes that have no width.
 """
 
+from contextlib import suppress
 from math import pi, tan
 
 import numpy as np
@@ -280,3 +282,119 @@ def test_pockets_with_islands_are_the_same_from_every_start_and_side(seed):
         for angle, shift in ((0.0, (5.0, -2.0)), (1.0, (0.0, 0.0)), (4.0, (-1.0, 1.0))):
             moved = part.transformed(scale=scale, angle=angle, shift=np.array(shift) * scale * SIZE)
             assert plain == facts(moved, scale)
+
+
+def sized(seed, largest=400):
+    """A number of segments from 10 on."""
+    return int(10 * (largest / 10) ** ((seed % 120) / 120))
+
+
+def holds(regions, places):
+    return np.any([region.contains(places) for region in regions], axis=0) | np.zeros(300, bool)
+
+
+def is_as_far_as_corners_reach(part, d, corner):
+    """Whether such corners keep off as far as round ones, and only near corners farther."""
+    sharp, blunt = offset(part, d, corner=corner), offset(part, d)
+    low, high = np.reshape(part.bounds, (2, 2)) + max(0.0, d) * np.array([[-1.0], [1.0]])
+    places = np.random.default_rng(0).uniform(low, high, (300, 2))
+    taken, wanted = holds(sharp, places) == (d > 0.0), holds(blunt, places) == (d > 0.0)
+    beyond = part.distance(places) > (2.0 if corner == "mitre" else 1.4143) * abs(d)
+    return (taken >= wanted).all() and (taken == wanted)[beyond].all()
+
+
+@pytest.mark.parametrize("corner", ["mitre", "chamfer"])
+def test_no_corner_of_random_pockets_fails(corner):
+    for seed in (5, 9, 63, 81, 99, 105, 193, 228, 438, 837, 924, 1085):
+        part = pocket(seed, sized(seed))
+        d = distance(seed, part)
+        assert is_as_far_as_corners_reach(part, -d, corner)
+        assert is_as_far_as_corners_reach(part, d, corner)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("corner", ["mitre", "chamfer"])
+def test_no_corner_of_a_thousand_random_pockets_fails(corner):
+    for seed in range(1000):
+        part = pocket(5000 + seed, sized(seed, 3000))
+        d = distance(seed, part)
+        assert is_as_far_as_corners_reach(part, -d, corner), seed
+        assert is_as_far_as_corners_reach(part, d, corner), seed
+
+
+# what has no width
+
+
+def spiked(part, rng):
+    """The part with ways out and back at some of its vertices, up to three at one."""
+    vertices, bulges = part.outer.vertices, part.outer.bulges
+    n = len(vertices)
+    chosen = rng.choice(n, min(n, int(rng.integers(1, 5))), replace=False)
+    places, bends = [], []
+    for i in range(n):
+        places.append(vertices[i])
+        bends.append(bulges[i])
+        for _ in range(int(rng.integers(1, 4)) if i in chosen else 0):
+            length, angle = SIZE * np.exp(rng.uniform(-7.0, -1.2)), rng.uniform(0.0, 6.3)
+            bend = rng.choice([0.0, 0.0, rng.uniform(-0.5, 0.5)])
+            tip = vertices[i] + length * np.array([np.cos(angle), np.sin(angle)])
+            bends[-1] = bend
+            places += [tip, vertices[i]]
+            bends += [-bend, bulges[i]]
+    return Region(Contour(np.array(places), np.array(bends)), part.islands)
+
+
+def keyholed(part):
+    """The part with islands joined to its outer contour by slits, and how many."""
+    outer, rest = part.outer, list(part.islands)
+    for island in part.islands:
+        V, B = outer.vertices, outer.bulges
+        far = np.hypot(*(V[:, None] - island.vertices[None]).transpose(2, 0, 1))
+        i, j = np.unravel_index(far.argmin(), far.shape)
+        own = island.starting_at(int(j))
+        places = np.concatenate((V[: i + 1], own.vertices, own.vertices[:1], V[i:]))
+        bends = np.concatenate((B[:i], [0.0], own.bulges, [0.0], B[i:]))
+        others = [other for other in rest if other is not island]
+        try:
+            outer = Region(Contour(places, bends), tuple(others)).outer
+        except ContourError:
+            continue
+        rest = others
+    return Region(outer, tuple(rest)), len(part.islands) - len(rest)
+
+
+def wrong_with_offsets(part, seed):
+    """Say what is wrong with offsets of a part to both sides."""
+    d = distance(seed, part)
+    for corner in ("round", "mitre", "chamfer"):
+        inner = offset(part, -d, corner=corner)
+        offset(part, d, corner=corner)
+        if corner == "round":
+            says = measure(part, d, inner, np.random.default_rng(seed))
+    return says
+
+
+@pytest.mark.parametrize("count", [25, pytest.param(400, marks=pytest.mark.slow)])
+def test_spikes_without_width_are_kept_off_from(count):
+    made = 0
+    for seed in range(count):
+        rng = np.random.default_rng(seed + 77)
+        part = pocket(seed, int(rng.integers(10, 80)))
+        for _ in range(60):
+            with suppress(ContourError):
+                part = spiked(part, rng)
+                made += 1
+                break
+        assert not wrong_with_offsets(part, seed), seed
+    assert made > 0.9 * count
+
+
+@pytest.mark.parametrize("count", [15, pytest.param(300, marks=pytest.mark.slow)])
+def test_islands_joined_by_slits_are_islands(count):
+    made = 0
+    for seed in range(count):
+        part, slits = keyholed(pocket(2 * seed + 1, 20 + seed % 60))
+        made += slits
+        assert not wrong_with_offsets(part, seed), seed
+    assert made > 2 * count

@@ -11,8 +11,9 @@ from splinearm.toolpaths.clearance import Wall
 from splinearm.toolpaths.contour import Contour
 from splinearm.toolpaths.gcode_check import write_checked
 from splinearm.toolpaths.gcode_dialect import DIALECTS
-from splinearm.toolpaths.operation import Entry
+from splinearm.toolpaths.operation import Entry, Notes
 from splinearm.toolpaths.pocket import pocket, pocket_runs
+from splinearm.toolpaths.pocket_side import ContourSides
 from splinearm.toolpaths.region import Region
 from splinearm.toolpaths.spiral import spiral
 from splinearm.toolpaths.verify import verify
@@ -100,7 +101,7 @@ def test_a_pocket_is_verified_by_code_that_did_not_make_it(kind, parts, milling)
 def test_rings_are_linked_where_that_is_clear(parts, milling):
     part = parts["plate"]
     setting = milling()
-    (run,) = pocket_runs(part, setting, Wall.of(part.contours, RADIUS))
+    (run,) = pocket_runs(ContourSides(part), setting, Notes())
     links = [track for track in run.tracks if track.link]
     assert len(links) == len(run.tracks) // 2
     for track in links:
@@ -138,10 +139,9 @@ def test_wide_steps_cut_less_length(parts, milling):
 
 
 def test_climbing_has_the_wall_to_the_right_of_a_clockwise_cutter(parts, milling):
-    part = parts["plate"]
-    wall = Wall.of(part.contours, RADIUS)
+    sides = ContourSides(parts["plate"])
     for climb, speed, area in ((True, 100, 1), (False, 100, -1), (True, -100, -1)):
-        runs = pocket_runs(part, milling(climb=climb, speed=speed), wall)
+        runs = pocket_runs(sides, milling(climb=climb, speed=speed), Notes())
         for track in runs[0].tracks:
             if not track.link:
                 around = Contour(track.path.vertices[:-1], track.path.bulges)

@@ -172,3 +172,24 @@ def test_a_profile_goes_from_level_to_level_without_lifting(parts, milling):
     assert len(rapids) == 4  # up, over, down and up again
     with pytest.raises(ValueError, match="parts"):
         profile([], milling(), Side.OUTSIDE)
+
+
+@pytest.mark.parametrize("radius", [3e-3, 6e-3])
+def test_openings_have_as_many_tabs_as_have_room(radius, milling, cuts):
+    part = Region(
+        Contour.rectangle([0.0, 0.0], [0.06, 0.04], 0.004), (Contour.circle([0.02, 0.02], radius),)
+    )
+    tabs = Tabs(count=3, length=4e-3, height=1e-3)
+    setting = milling(stock=2e-4, finish=True)
+    milled = profile([part], setting, Side.OUTSIDE, tabs)
+    room = {3e-3: 0, 6e-3: 2}[radius]
+    assert milled.notes == (f"the opening at (20, 20) mm has room for {room} of 3 tabs",)
+    lifts = [w for w in cuts(milled.actions).ways if w.start[2] == -2e-3 and w.end[2] == -1e-3]
+    inner = [np.hypot(*(way.end[:2] - 0.02)) < radius for way in lifts]
+    # each in the passes and in the last one along the side
+    assert (sum(inner), len(inner)) == (2 * room, 2 * room + 6)
+    zone = Zone(regions=(part,), floor=-2e-3, side="outside", cleared=False, tab_height=tabs.height)
+    report = verify(
+        milled.actions, Task(Stock.about(part, margin=0.01, thick=0.006), (zone,)), setting.cutter
+    )
+    assert report.ok, report.text()

@@ -166,9 +166,20 @@ def test_a_program_has_splines_where_the_controller_has_them(oval, milling):
     assert "G5 " not in write_checked(without, DIALECTS["grbl"])
 
 
-def test_on_the_line_is_for_engraving(oval, milling):
-    with pytest.raises(ValueError, match="engrave"):
-        spline_profile([], milling(), Side.ON, TOLERANCE)
+@pytest.mark.parametrize("entry", [Entry.PLUNGE, Entry.RAMP])
+def test_on_the_line_the_splines_themselves_are_followed(star, milling, entry):
+    tabs = Tabs(count=2, length=3e-3, height=1e-3)
+    for held in (None, tabs):
+        actions, done = profile_of(star, milling(entry=entry), Side.ON, tabs=held)
+        check(actions, done)
+        assert done[0].aim.slack <= 1e-7
+        ways = [a.curve for a in actions if isinstance(a, SplineFeed)]
+        lines = [each.piece.curve for each in star.drawn]
+        assert sum(c.length() for c in ways) == pytest.approx(
+            sum(c.length() for c in lines), rel=1e-9
+        )
+        heights = {float(z) for curve in ways for z in curve.points[:, 2]}
+        assert heights == ({-2e-3} if held is None else {-2e-3, -1e-3})
 
 
 def parts_near_each_other(apart):

@@ -65,7 +65,10 @@ def test_a_part_is_made_and_verified(drawing, milling, follows):
     assert [a.tool for a in actions if isinstance(a, ToolChange)] == [1, 2, 1]
     report = verified(actions, done, 1e-5)
     assert report.ok, report.text()
+    assert any(isinstance(a, SplineFeed) for a in actions)
     for dialect in DIALECTS.values():
+        if not dialect.splines:
+            actions, _ = carry_out(drawing, works(milling), Exactness(splines=False))
         text = write_checked(actions, dialect, "plate")
         # up before anything else, and after each change of tools
         assert "G0 Z5" in text

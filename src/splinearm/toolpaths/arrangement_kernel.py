@@ -12,6 +12,7 @@ from splinearm.arrays import FloatArray
 from splinearm.compiled import bare_kernel, fast_kernel
 
 from .arc_kernel import at_share, box_of, circles_meet, distance, share
+from .offset_corner_kernel import goes_around, in_kites
 from .tree_kernel import RUN, nearest, overlapping, tree_of
 
 IndexArray = npt.NDArray[np.int64]
@@ -21,6 +22,8 @@ SNAP = 1e-11
 _CELL = 20.0 * SNAP
 _BESIDE = 0.3 * SNAP
 """How far beyond its ends a piece still meets others: less than what is snapped to its end."""
+_SAME = 1e-9
+"""Curvatures that differ by a smaller share are one."""
 SURE = 2e-13
 """What is nearer to the part than d by no more than this is as near as rounding tells."""
 SPARE = 1e-10
@@ -81,7 +84,10 @@ def _meetings(
 @bare_kernel
 def _meet(S: FloatArray, i: int, j: int, H: FloatArray, m: int) -> int:
     """Write where two pieces meet, and ends that lie on the other piece."""
-    found, ux, uy, vx, vy = circles_meet(S, i, S, j)
+    found, ux, uy, vx, vy = 0, 0.0, 0.0, 0.0, 0.0
+    # where one circle lies on another rounding alone says where they meet
+    if abs(S[i, 4] - S[j, 4]) > _SAME * abs(S[i, 4]) or _off_circle(S, i, S, j) > SNAP:
+        found, ux, uy, vx, vy = circles_meet(S, i, S, j)
     for k in range(found):
         x, y = (ux, uy) if k == 0 else (vx, vy)
         if _beside(S, i, x, y) and _beside(S, j, x, y):
@@ -99,6 +105,17 @@ def _meet(S: FloatArray, i: int, j: int, H: FloatArray, m: int) -> int:
 
 
 @bare_kernel
+def _off_circle(S: FloatArray, i: int, R: FloatArray, j: int) -> float:
+    """Give how far the ends of a piece are from the circle of another, to first order."""
+    off = 0.0
+    for c in (0, 2):
+        qx, qy = R[j, c] - S[i, 0], R[j, c + 1] - S[i, 1]
+        g = qx * S[i, 5] + qy * S[i, 6] - 0.5 * S[i, 4] * (qx * qx + qy * qy)
+        off = max(off, abs(g))
+    return off
+
+
+@bare_kernel
 def _beside(S: FloatArray, i: int, x: float, y: float) -> bool:
     """Say whether a point of the circle of a piece is on the piece itself."""
     qx, qy = x - S[i, 0], y - S[i, 1]
@@ -109,7 +126,7 @@ def _beside(S: FloatArray, i: int, x: float, y: float) -> bool:
 
 
 @bare_kernel
-def _root(parent: FloatArray, i: int) -> int:
+def root(parent: FloatArray, i: int) -> int:
     """Give the first of the points that are one with a point."""
     while parent[i] != i:
         parent[i] = parent[int(parent[i])]
@@ -139,14 +156,14 @@ def _snapped(X: FloatArray) -> FloatArray:
             j = head[slot]
             while j >= 0:
                 if (X[j, 0] - X[i, 0]) ** 2 + (X[j, 1] - X[i, 1]) ** 2 <= SNAP * SNAP:
-                    a, b = _root(parent, i), _root(parent, j)
+                    a, b = root(parent, i), root(parent, j)
                     parent[max(a, b)] = min(a, b)
                 j = after[j]
         slot = _slot(cx, cy, size)
         after[i] = head[slot]
         head[slot] = i
     for i in range(n):
-        parent[i] = _root(parent, i)
+        parent[i] = root(parent, i)
     return parent
 
 
@@ -167,16 +184,22 @@ def _slot(cx: float, cy: float, size: int) -> int:
 
 @fast_kernel
 def edges_of(
-    S: FloatArray, P: FloatArray, T: FloatArray, d: float, C: FloatArray
+    S: FloatArray,
+    part: tuple[FloatArray, FloatArray],
+    d: float,
+    kites: tuple[FloatArray, FloatArray],
+    around: float,
 ) -> tuple[FloatArray, FloatArray]:
     """Give what is no nearer to the part than d, and in no corner, from node to node.
 
     Args:
         S: Pieces moved by d.
-        P: Pieces of the part.
-        T: Their tree.
+        part: Pieces of the part, and their tree.
         d: How far they were moved.
-        C: Corners that reach farther than d, as `corners_of` gives them.
+        kites: Corners that reach farther than d, as `kites_of` gives them.
+        around: 1 if the part is what its pieces go around, 0 if it is what they do not, or -1 if
+            nothing that is far enough is elsewhere. It is where corners reach through walls, and
+            beside spikes and slits that have no width.
 
     Returns:
         Edges, shape (m, 6), see `EDGE`, and the nodes, shape (k, 2).
@@ -216,7 +239,9 @@ def edges_of(
     for h in range(X.shape[0]):
         shared[int(node[h])] += 4 if h < hits else 1
     E = np.empty((2 * hits + n + 1, EDGE))
-    m = _edges(S, (P, T, d), C, (at, U, N, shared), E, np.empty((128, 2)))
+    runs = np.empty(max(part[1].shape[0], kites[1].shape[0]) + 128)
+    model = (part[0], part[1], d)
+    m = _edges(S, model, kites, (at, U, N, shared), E, (np.empty((128, 2)), runs, around))
     return E[:m], X
 
 
@@ -224,13 +249,15 @@ def edges_of(
 def _edges(
     S: FloatArray,
     model: tuple[FloatArray, FloatArray, float],
-    C: FloatArray,
+    kites: tuple[FloatArray, FloatArray],
     along: tuple[IndexArray, FloatArray, IndexArray, IndexArray],
     E: FloatArray,
-    stack: FloatArray,
+    work: tuple[FloatArray, FloatArray, float],
 ) -> int:
     """Write the edges between nodes along pieces that are far enough, and give how many."""
     at, U, N, shared = along
+    stack, runs, around = work
+    edged = kites[0].shape[0] > 0 or around >= 0.0
     m, hint = 0, -1
     rank, last = -1.0, -1
     for i in range(S.shape[0]):
@@ -242,11 +269,13 @@ def _edges(
             v = U[k]
             # how a way lies changes only where another meets it, not from one piece into the next;
             # round corners are all there to be met
-            if start != last or shared[start] != 2 or rank == 1.0 or C.shape[0] > 0:
+            if start != last or shared[start] != 2 or rank == 1.0 or edged:
                 rank, hint = _rank(S, i, 0.5 * (u + v), model, hint, stack)
+                if edged and rank > 0.0:
+                    spot = at_share(S, i, 0.5 * (u + v))
+                    rank = min(rank, _beside_kites(spot, model, kites, around, runs))
             last = N[k]
-            in_corner = C.shape[0] > 0 and _in_corner(S, i, 0.5 * (u + v), C, model[2])
-            if rank > 0.0 and not in_corner:
+            if rank > 0.0:
                 E[m, 0], E[m, 1], E[m, 2], E[m, 3], E[m, 4], E[m, 5] = start, N[k], i, u, v, rank
                 m += 1
             u, start = v, N[k]
@@ -274,17 +303,18 @@ def _rank(
 
 
 @bare_kernel
-def _in_corner(S: FloatArray, i: int, u: float, C: FloatArray, d: float) -> bool:
-    """Say whether a piece lies at a share in a corner that is not round."""
-    x, y = at_share(S, i, u)
-    for c in range(C.shape[0]):
-        wx, wy = x - C[c, 0], y - C[c, 1]
-        if (
-            C[c, 2] * wy - C[c, 3] * wx < 0.0
-            and wx * C[c, 5] - wy * C[c, 4] < 0.0
-            and C[c, 2] * wx + C[c, 3] * wy < d - SPARE
-            and C[c, 4] * wx + C[c, 5] * wy < d - SPARE
-            and C[c, 6] * wx + C[c, 7] * wy < d - SPARE
-        ):
-            return True
-    return False
+def _beside_kites(
+    spot: tuple[float, float],
+    model: tuple[FloatArray, FloatArray, float],
+    kites: tuple[FloatArray, FloatArray],
+    around: float,
+    runs: FloatArray,
+) -> float:
+    """Say how a place lies: 2 surely in no corner, 1 nearly, 0 in one or not in the part."""
+    deep = in_kites(kites[0], kites[1], spot, model[2], runs)
+    if deep > SPARE:
+        return 0.0
+    # what a corner reaches through a wall may lie where nothing is to be
+    if around >= 0.0 and goes_around(model[0], model[1], spot, runs) != (around > 0.0):
+        return 0.0
+    return 1.0 if deep > SURE else 2.0

@@ -14,7 +14,7 @@ from .verify import Allowance, verify
 from .verify_line import Lines
 from .verify_part import Task, Zone
 from .verify_report import Verification
-from .work import Done
+from .work import Done, Kind
 
 _MARGIN = 5e-3
 _BELOW = 1e-3
@@ -36,8 +36,9 @@ def verified(actions: Iterable[Action], done: Sequence[Done], tolerance: float) 
     floor = min(one.aim.floor for one in done)
     block = Stock(np.array([*(low - margin), floor - _BELOW]), np.array([*(high + margin), 0.0]))
     slack = max(one.slack for one in done)
-    left = 1e-5 + max(0.0 if one.work.milling.finish else one.work.milling.stock for one in done)
-    allowed = Allowance(gouge=1e-6 + slack, left=left + (tolerance if slack else 0.0))
+    stock = max(0.0 if one.work.milling.finish else one.work.milling.stock for one in done)
+    beside = stock + (tolerance if slack else 0.0)
+    allowed = Allowance(gouge=1e-6 + slack, left=1e-5 + beside, beside=beside)
     one_cutter = next(iter(cutters.values())) if len(cutters) == 1 else cutters
     known = [a for a in actions if not isinstance(a, Pause | Switch)]
     return verify(known, Task(block, zones, lines), one_cutter, allowed)
@@ -57,12 +58,12 @@ def _bounds(zones: Sequence[Zone], lines: Sequence[Lines]) -> tuple[FloatArray, 
 
 
 def _cutters(done: Sequence[Done]) -> dict[int, Cutter]:
-    """Give cutters by number; one that finishes sides may do that at full depth."""
+    """Give cutters by number; sides are finished and holes drilled without steps down."""
     found: dict[int, Cutter] = {}
     for one in done:
         milling = one.work.milling
         cutter = found.get(milling.cutter.number, milling.cutter)
-        if milling.finish:
+        if milling.finish or one.work.kind is Kind.DRILL:
             cutter = replace(cutter, step_down=max(cutter.step_down, milling.depth))
         found[cutter.number] = cutter
     return found

@@ -217,7 +217,8 @@ class Contour:
     def bounds(self) -> tuple[float, float, float, float]:
         """Least x and y, largest x and y, m."""
         P = self.packed()[0]
-        low, high = self.vertices.min(axis=0), self.vertices.max(axis=0)
+        ends = np.concatenate((P[:, :2], P[:, 2:4]))
+        low, high = ends.min(axis=0), ends.max(axis=0)
         # an arc of at most a quarter turn is farthest out where its normal lies along an axis
         for axis in (0, 1):
             other = 6 - axis  # the tangent's share along the axis, but for its sign

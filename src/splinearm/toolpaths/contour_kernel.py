@@ -107,14 +107,14 @@ def first_shared(P: FloatArray, loops: FloatArray, tiny: float) -> tuple[int, in
             for r in range(count):
                 first = int(runs[r]) * RUN
                 for j in range(max(first, end), min(P.shape[0], first + RUN)):
-                    along, x, y = _shared(P, i, j, tiny)
+                    along, x, y = shared(P, i, j, tiny)
                     if along:
                         return i, j, x, y
     return -1, -1, 0.0, 0.0
 
 
 @bare_kernel
-def _shared(P: FloatArray, i: int, j: int, tiny: float) -> tuple[bool, float, float]:
+def shared(P: FloatArray, i: int, j: int, tiny: float) -> tuple[bool, float, float]:
     """Say whether two pieces have more than points in common, and give the middle of that."""
     found, ux, uy, vx, vy, wide = 0, 0.0, 0.0, 0.0, 0.0, 0.0
     for c in (0, 2):

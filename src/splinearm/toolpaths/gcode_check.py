@@ -128,4 +128,7 @@ def _parts(move: Move) -> list[FloatArray]:
             count = max(1, int(np.ceil(abs(move.turn) / (1.5 * pi))))
             return [move.at((i + _LOOKS) / count) for i in range(count)]
         case SplineFeed():
-            return [move.curve.at(a + (b - a) * _LOOKS) for a, b in pairwise(move.curve.breaks)]
+            return [
+                move.curve.at((1.0 - _LOOKS) * a + _LOOKS * b)
+                for a, b in pairwise(move.curve.breaks)
+            ]

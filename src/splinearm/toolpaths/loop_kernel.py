@@ -12,9 +12,10 @@ import numpy as np
 from splinearm.arrays import FloatArray
 from splinearm.compiled import bare_kernel, fast_kernel
 
-from .arc_kernel import at_share
-from .arrangement_kernel import SNAP, edges_of
-from .offset_kernel import corners_of, raw_pieces
+from .arc_kernel import at_share, distance
+from .arrangement_kernel import SNAP, edges_of, root
+from .offset_corner_kernel import Corner, kites_of
+from .offset_kernel import raw_pieces
 from .offset_left_kernel import surviving
 
 _SHORT = 1e-7
@@ -44,13 +45,40 @@ def _cancel(E: FloatArray, S: FloatArray, head: FloatArray, after: FloatArray) -
         for against in range(2):
             f = int(head[int(E[e, 1 - against])])
             while f >= 0 and E[e, 5] == 2.0:
-                if f != e and E[f, 5] == 2.0 and E[f, 1] == E[e, against]:
-                    u, v = at_share(S, int(E[f, 2]), 0.5 * (E[f, 3] + E[f, 4]))
-                    if (u - x) ** 2 + (v - y) ** 2 <= (8.0 * SNAP) ** 2:
-                        E[f, 5] = 0.0
-                        if against == 0:
-                            E[e, 5] = 0.0
+                joins = f != e and E[f, 5] == 2.0 and E[f, 1] == E[e, against]
+                if joins and distance(S, int(E[f, 2]), x, y) <= 8.0 * SNAP:
+                    E[f, 5] = 0.0
+                    if against == 0:
+                        E[e, 5] = 0.0
                 f = int(after[f])
+
+
+@fast_kernel
+def _cancel_near(E: FloatArray, X: FloatArray, S: FloatArray) -> None:
+    """Drop one of two edges that lie along each other, if where they end short edges part them.
+
+    Where a line touches an arc, what is snapped together along it may have been parted again.
+    """
+    one = np.arange(float(X.shape[0]))
+    for e in range(E.shape[0]):
+        a, b = int(E[e, 0]), int(E[e, 1])
+        if E[e, 5] > 0.0 and math.hypot(X[a, 0] - X[b, 0], X[a, 1] - X[b, 1]) < _SHORT:
+            a, b = root(one, a), root(one, b)
+            one[max(a, b)] = min(a, b)
+    head, after = np.full(X.shape[0], -1.0), np.empty(E.shape[0])
+    for e in range(E.shape[0]):
+        begin, end = root(one, int(E[e, 0])), root(one, int(E[e, 1]))
+        if E[e, 5] != 2.0 or begin == end:
+            continue
+        x, y = at_share(S, int(E[e, 2]), 0.5 * (E[e, 3] + E[e, 4]))
+        f = int(head[begin])
+        while f >= 0 and E[e, 5] == 2.0:
+            i = int(E[f, 2])
+            if root(one, int(E[f, 1])) == end and distance(S, i, x, y) <= 8.0 * SNAP:
+                E[e, 5] = 0.0
+            f = int(after[f])
+        if E[e, 5] == 2.0:
+            after[e], head[begin] = head[begin], e
 
 
 @fast_kernel
@@ -184,6 +212,9 @@ def loops_of(
     head, after = _chain(E, 0, nodes)
     _cancel(E, S, head, after)
     wrong = _balance(E, X)
+    if wrong >= 0:
+        _cancel_near(E, X, S)
+        wrong = _balance(E, X)
     V, starts, areas = np.empty((E.shape[0] + 2, 4)), np.empty(E.shape[0] + 1), np.empty(E.shape[0])
     starts[0] = 0
     if wrong >= 0:
@@ -301,7 +332,8 @@ def offset_loops(
     firsts: FloatArray,
     T: FloatArray,
     d: float,
-    corner: tuple[float, float],
+    corner: Corner,
+    around: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Give the loops of the offset of closed loops to the left.
 
@@ -311,7 +343,8 @@ def offset_loops(
         firsts: The first piece of each loop and how many there are.
         T: Their tree.
         d: How far.
-        corner: How corners are joined, and the largest reach of a mitre as a multiple of d.
+        corner: How corners are joined and ends go.
+        around: See `edges_of`.
 
     Returns:
         Rows (x, y, bulge, number), the first of each loop and how many there are, the areas, and
@@ -319,7 +352,8 @@ def offset_loops(
     """
     raw = raw_pieces(P, segment, firsts, d, corner)
     S, numbers = surviving(P, T, firsts, raw, d)
-    E, X = edges_of(S, P, T, d, corners_of(P, firsts, d, corner))
+    kites = kites_of(P, segment, firsts, d, corner)
+    E, X = edges_of(S, (P, T), d, kites, around)
     V, starts, areas, node = loops_of(E, X, S, numbers)
     wrong = np.zeros(3)
     wrong[0] = -1.0

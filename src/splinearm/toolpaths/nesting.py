@@ -90,6 +90,7 @@ def circles(wires: Sequence[Wire]) -> tuple[FloatArray, FloatArray]:
 
 def _require_apart(contours: Sequence[Contour]) -> None:
     """Refuse contours that cross."""
+    from .contour_along_kernel import first_crossing_along
     from .contour_kernel import first_crossing
     from .offset_kernel import pieces_of
 
@@ -97,6 +98,8 @@ def _require_apart(contours: Sequence[Contour]) -> None:
     size = float(np.ptp(vertices, axis=0).max())
     P, segment, loops = pieces_of(vertices, bulges, starts, 0.0)
     i, j, x, y = first_crossing(P, loops, _TINY * size)
+    if i < 0:
+        i, j, x, y = first_crossing_along(P, loops, _TINY * size)
     if i < 0:
         return
     marks = list(pairwise(starts.tolist()))

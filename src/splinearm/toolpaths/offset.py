@@ -16,9 +16,14 @@ from .offset_check import raise_of
 from .region import Region
 
 if TYPE_CHECKING:
+    from .offset_corner_kernel import Corner
     from .offset_made_kernel import Model
 
 _CORNERS = {"round": 0.0, "mitre": 1.0, "chamfer": 2.0}
+_ENDS = ("round", "butt", "square")
+_LONGER = 1e-9
+_DIAGONAL = 1.4143
+"""So many distances an end that is square reaches, and more than any corner that is cut across."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,58 +136,121 @@ def rings(part: Region, distances: Iterable[float]) -> tuple[tuple[Region, ...],
 
 
 def offset_path(
-    path: Contour, distance: float, *, corner: str = "round", mitre_limit: float = 2.0
+    path: Contour,
+    distance: float,
+    *,
+    corner: str = "round",
+    mitre_limit: float = 2.0,
+    end: str = "butt",
 ) -> tuple[Contour, ...]:
     """Give the ways beside a path on which a cutter of that radius touches and cuts none of it.
 
-    Every point of the result is at the distance from the path (farther at corners that are not
-    round) and none of the path is nearer, also not its far side or its ends, around which the
-    result does not go.
+    Every point of the result is at the distance from the path (farther at corners and ends that
+    are not round) and none of the path is nearer, also not its far side or its ends.
 
     Args:
         path: Open or closed.
         distance: How far, m; above 0 to the left of the path, below 0 to the right.
         corner: How the offset goes around corners, see `offset`.
         mitre_limit: See `offset`.
+        end: How the ways of an open path end: "butt" beside its ends, "square" straight on by the
+            distance and across, until they are ahead of the ends, "round" around them as far.
 
     Returns:
         The ways in the direction of the path, in the order of where they begin beside it.
+
+    Raises:
+        OffsetError: If no result passes its check.
+        GougeError: If the only result is nearer to the path than the distance.
+        ValueError: If a name is unknown, or the distance is not finite.
     """
     style = _style(corner, distance, mitre_limit)
+    _require_end(end)
     if distance == 0.0:
         return (path,)
     if path.closed:
         return _beside_closed(path, distance, corner, mitre_limit)
     forward = path if distance > 0.0 else path.reversed()
     scaled = _scaled((_there_and_back(forward),), abs(distance), outward=True)
+    last = len(path.bulges) - 1
+    # what goes around ends is asked for in halves: one belongs to this side
+    style = (*style[:2], 3.0 if end == "square" else 2.0, float(last))
     loops = _offset_loops(scaled, abs(distance), style)
-    ways = _ways(loops, 2 * len(path.bulges) - 1)
+    ways = _ways(loops, last, around=end != "butt")
     if distance < 0.0:
         ways = [way.reversed() for way in reversed(ways)]
     return tuple(ways)
 
 
 def widened(
-    path: Contour, distance: float, *, corner: str = "round", mitre_limit: float = 2.0
+    path: Contour,
+    distance: float,
+    *,
+    corner: str = "round",
+    mitre_limit: float = 2.0,
+    end: str = "round",
 ) -> tuple[Region, ...]:
-    """Give all points within a distance of an open path: a slot with round ends.
+    """Give all points within a distance of an open path: a slot.
 
     Args:
         path: An open path.
         distance: How far to each side, m, above 0.
-        corner: How it goes around corners, see `offset`; the ends are round.
+        corner: How it goes around corners, see `offset`.
         mitre_limit: See `offset`.
+        end: How it ends: "round", "square" (straight on by the distance) or "butt" (flat where the
+            path ends, which wants lines there that are longer than the distance).
+
+    Raises:
+        OffsetError: If no result passes its check, or an end is to be flat but its last line is an
+            arc or not longer than the distance.
+        GougeError: If the only result is nearer to the path than the distance.
+        ValueError: If the path is closed, a name is unknown, or the distance is not above 0.
     """
     if path.closed:
         raise ValueError("path: want an open one; of a closed one take `offset`")
     style = _style(corner, distance, mitre_limit)
+    _require_end(end)
     if not distance > 0.0:
         raise ValueError(f"distance: want a length above zero, got {distance}")
+    if end == "butt" and len(path.bulges) == 1 and path.bulges[0] == 0.0:
+        return (_bar(path, distance),)
+    if end == "butt":
+        # square ends of what is shorter by the distance are flat where the path ends
+        path = _shortened(path, distance)
+    style = (*style[:2], 0.0 if end == "round" else 1.0, float(len(path.bulges) - 1))
     scaled = _scaled((_there_and_back(path),), distance, outward=True, turned=True)
     return _regions(_offset_loops(scaled, distance, style), outward=True)
 
 
-def _style(corner: str, distance: float, mitre_limit: float) -> tuple[float, float]:
+def _require_end(end: str) -> None:
+    if end not in _ENDS:
+        raise ValueError(f"end: want one of {', '.join(_ENDS)}, got {end!r}")
+
+
+def _bar(path: Contour, distance: float) -> Region:
+    """Give the rectangle about a line."""
+    a, b = path.vertices
+    way = (b - a) * (distance / float(np.hypot(*(b - a))))
+    side = np.array([-way[1], way[0]])
+    return Region(Contour.polyline([a - side, b - side, b + side, a + side]))
+
+
+def _shortened(path: Contour, distance: float) -> Contour:
+    """Give a path that ends in lines, shorter by a distance at both ends."""
+    vertices = path.vertices.copy()
+    for here, inner, k in ((0, 1, 0), (-1, -2, -1)):
+        way = path.vertices[inner] - path.vertices[here]
+        length = float(np.hypot(*way))
+        if path.bulges[k] != 0.0 or not length > distance * (1.0 + _LONGER):
+            x, y = path.vertices[here].tolist()
+            raise OffsetError(
+                distance, "a flat end wants a straight line there, longer than it", (x, y)
+            )
+        vertices[here] += way * (distance / length)
+    return Contour.made(vertices, path.bulges.copy(), closed=False)
+
+
+def _style(corner: str, distance: float, mitre_limit: float) -> "Corner":
     """Give how corners are joined as kernels take it, and the reach of corners."""
     if corner not in _CORNERS:
         raise ValueError(f"corner: want one of {', '.join(_CORNERS)}, got {corner!r}")
@@ -190,14 +258,16 @@ def _style(corner: str, distance: float, mitre_limit: float) -> tuple[float, flo
         raise ValueError(f"distance: want a finite length, got {distance}")
     if not mitre_limit >= 1.0:
         raise ValueError(f"mitre_limit: want 1 or more, got {mitre_limit}")
-    return _CORNERS[corner], mitre_limit
+    return _CORNERS[corner], mitre_limit, 0.0, -1.0
 
 
-def _offset_loops(scaled: _Scaled, distance: float, style: tuple[float, float]) -> _Loops:
+def _offset_loops(scaled: _Scaled, distance: float, style: "Corner") -> _Loops:
     """Give checked loops of the offset to the left."""
     from .offset_made_kernel import OPEN, checked_loops
 
-    reach = 1.0 if style[0] == 0.0 else max(style[1], 1.4143)
+    reach = 1.0
+    if style[0] != 0.0 or style[2] % 2.0 == 1.0:
+        reach = max(style[1] if style[0] == 1.0 else 1.0, _DIAGONAL)
     *loops, said = checked_loops(
         scaled.model,
         distance,
@@ -267,19 +337,27 @@ def _beside_closed(
     return contours if leftward else tuple(contour.reversed() for contour in contours)
 
 
-def _ways(loops: _Loops, end: int) -> list[Contour]:
-    """Give the runs of segments in loops whose number is below an end, as open contours."""
+def _ways(loops: _Loops, last: int, *, around: bool) -> list[Contour]:
+    """Give what of loops lies beside a path there, up to its last segment, as open contours.
+
+    Args:
+        loops: Around the path there and back.
+        last: The last segment of the way there.
+        around: Whether half of what goes around the ends belongs to it.
+    """
+    before, behind = 4.0 * last + 3.5, 2.0 * last + 1.0
     found: list[tuple[float, Contour]] = []
-    for first, last in pairwise(loops.bounds):
-        vertices, bulges = loops.vertices[first:last], loops.bulges[first:last]
-        numbers = loops.numbers[first:last]
-        kept = numbers < end
+    for first, end in pairwise(loops.bounds):
+        vertices, bulges = loops.vertices[first:end], loops.bulges[first:end]
+        numbers = loops.numbers[first:end]
+        numbers = np.where(numbers == before, -1.0, numbers) if around else numbers
+        kept = numbers <= behind if around else numbers < behind
         if kept.all():
             found.append((float(numbers[0]), Contour.made(vertices, bulges)))
             continue
         # begun behind a segment that is not wanted, no run goes on over the end
         shift = int(np.argmin(kept))
-        order = np.roll(np.arange(last - first), -shift)
+        order = np.roll(np.arange(end - first), -shift)
         kept = kept[order]
         edges = np.flatnonzero(np.diff(np.concatenate(([False], kept, [False])).astype(int)))
         for a, b in edges.reshape(-1, 2).tolist():

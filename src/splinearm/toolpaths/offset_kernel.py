@@ -12,8 +12,7 @@ from splinearm.arrays import FloatArray
 from splinearm.compiled import fast_kernel
 
 from .arc_kernel import COLUMNS, set_piece
-
-ROUND, MITRE, CHAMFER = 0.0, 1.0, 2.0
+from .offset_corner_kernel import HALVES, MITRE, ROUND, Corner, is_end, style_of
 
 _QUARTER = 0.5 * math.pi * (1.0 + 1e-9)
 _STRAIGHT = 1e-13
@@ -83,7 +82,7 @@ def pieces_of(
 
 @fast_kernel
 def raw_pieces(
-    P: FloatArray, segment: FloatArray, loops: FloatArray, d: float, corner: tuple[float, float]
+    P: FloatArray, segment: FloatArray, loops: FloatArray, d: float, corner: Corner
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Give every piece moved to its left, and what joins them about outer corners.
 
@@ -92,16 +91,16 @@ def raw_pieces(
         segment: The segment of each.
         loops: The first piece of each loop and n.
         d: How far, above 0.
-        corner: How corners are joined, and the largest reach of a mitre as a multiple of d.
+        corner: How corners are joined and ends go.
 
     Returns:
         Raw pieces, shape (m, 9); of each a number that is the same along one line or arc, even for
         segments and odd for corners; and the piece of the part that it comes from.
     """
     n = P.shape[0]
-    style, limit = corner
-    R = np.empty((4 * n, COLUMNS))
-    curve, owner = np.empty(4 * n), np.empty(4 * n)
+    room = 4 * n + 2  # and two halves more at ends
+    R = np.empty((room, COLUMNS))
+    curve, owner = np.empty(room), np.empty(room)
     follower = np.empty(n, np.int64)
     E = np.empty((n, 4))  # where the moved pieces begin and end
     turns = np.empty(n)  # how far the way turns at outer corners
@@ -138,15 +137,17 @@ def raw_pieces(
         if turn == 0.0:
             continue
         j = follower[i]
-        number = 2.0 * segment[i] + 1.0
-        ax, ay = E[i, 2], E[i, 3]
+        end = is_end(corner, segment[i], segment[j])
+        style = style_of(corner, turn, end)
         parts, bend, reach = max(1, math.ceil(-turn / _QUARTER)), -1.0 / d, d
-        edged = style != ROUND and turn > -math.pi * (1.0 - 1e-9)
+        edged = style != ROUND
         if edged:
             # lines along the offsets up to a mitre, or to a cut across at the distance itself
-            bend = 0.0
-            parts = 2 if style == MITRE and limit * math.cos(0.5 * turn) >= 1.0 else 3
+            parts, bend = 2 if style == MITRE else 3, 0.0
             reach = d / math.cos(0.5 * turn / (parts - 1.0))
+        halves = end and corner[2] >= HALVES
+        number = 2.0 * segment[i] + 1.0
+        ax, ay = E[i, 2], E[i, 3]
         for part in range(1, parts + 1):
             bx, by = E[j, 0], E[j, 1]
             if part < parts:
@@ -154,42 +155,22 @@ def raw_pieces(
                 co, si = math.cos(angle), math.sin(angle)
                 bx = P[i, 2] + reach * (co * P[i, 7] - si * P[i, 8])
                 by = P[i, 3] + reach * (si * P[i, 7] + co * P[i, 8])
+            if halves and part == 2:
+                # what goes around the end of a path belongs half to each of its sides
+                if edged:
+                    mx, my = 0.5 * (ax + bx), 0.5 * (ay + by)
+                    set_piece(R, m, (ax, ay, mx, my), bend)
+                    curve[m], owner[m] = number, i
+                    m += 1
+                    ax, ay = mx, my
+                number += 0.5
             set_piece(R, m, (ax, ay, bx, by), bend)
             curve[m], owner[m] = number, i
+            # the lines on from both ends of a line are one with it, those from an arc are not
             if edged and part == 1:
-                curve[m] = 2.0 * segment[i]
+                curve[m] = 2.0 * segment[i] + (0.25 if P[i, 4] != 0.0 else 0.0)
             elif edged and part == parts:
-                curve[m] = 2.0 * segment[j]
+                curve[m] = 2.0 * segment[j] + (0.125 if P[j, 4] != 0.0 else 0.0)
             m += 1
             ax, ay = bx, by
     return R[:m], curve[:m], owner[:m]
-
-
-@fast_kernel
-def corners_of(
-    P: FloatArray, loops: FloatArray, d: float, corner: tuple[float, float]
-) -> FloatArray:
-    """Give the corners that reach farther than d, none if they are round.
-
-    Returns:
-        Rows of a corner's place, of the normals before and behind it, between which it lies, and of
-        the normal of the cut across it, or zeros: what lies in it is less than d along each.
-    """
-    style, limit = corner
-    C = np.empty((P.shape[0] if style != ROUND else 0, 8))
-    m = 0
-    for loop in range(loops.shape[0] - 1):
-        first, end = int(loops[loop]), int(loops[loop + 1])
-        for i in range(first, end if style != ROUND else first):
-            j = i + 1 if i + 1 < end else first
-            ux, uy, vx, vy = P[i, 7], P[i, 8], P[j, 5], P[j, 6]
-            cross = ux * vy - uy * vx
-            turn = math.atan2(cross, ux * vx + uy * vy)
-            if not -math.pi * (1.0 - 1e-9) < turn < -1e-6:
-                continue
-            cut = 0.0 if style == MITRE and limit * math.cos(0.5 * turn) >= 1.0 else 1.0
-            co, si = math.cos(0.5 * turn), math.sin(0.5 * turn)
-            C[m, 0], C[m, 1], C[m, 2], C[m, 3], C[m, 4], C[m, 5] = P[i, 2], P[i, 3], ux, uy, vx, vy
-            C[m, 6], C[m, 7] = cut * (co * ux - si * uy), cut * (si * ux + co * uy)
-            m += 1
-    return C[:m]

@@ -8,14 +8,16 @@ from splinearm.arrays import FloatArray
 from splinearm.compiled import bare_kernel, entry, fast_kernel, inputs, numbers
 
 from .loop_kernel import offset_loops
+from .offset_corner_kernel import Corner
 from .offset_kernel import pieces_of
 from .offset_whole_kernel import part_of, verdict
 from .tree_kernel import tree_of
 
 _ROUNDING = 1e-11
 """What a result may be off by, as a share of the size of the part and the distance."""
-_NUDGES = (0.0, 1e-12, -1e-12, 3e-12, -1e-11)
-"""Shares of the size by which the distance is changed in turn if no loops close."""
+_NUDGES = (0.0, 0.0, 1e-12, -1e-12, 3e-12, -1e-11)
+"""Shares of the size by which the distance is changed in turn if no loops close; at the second
+attempt all is looked at for whether it is in the part at all, which costs more."""
 _TINY = 1e-14
 """Segments with chords below this share of the size are none."""
 
@@ -102,7 +104,7 @@ prepared = entry(_prepared, *inputs(2, 1, 1), *numbers(2))
 def checked_loops(
     model: Model,
     distance: float,
-    corner: tuple[float, float],
+    corner: Corner,
     reach: float,
     outward: float,
     turned: float,
@@ -112,7 +114,7 @@ def checked_loops(
     Args:
         model: What `prepared` gives.
         distance: How far, m, above 0.
-        corner: How corners are joined, and the largest reach of a mitre as a multiple of it.
+        corner: How corners are joined and ends go.
         reach: How far any corner may reach, as a multiple of it.
         outward: 1 if what is offset is what the loops do not enclose, else 0.
         turned: 1 if the loops are to be run through the other way, else 0.
@@ -127,9 +129,13 @@ def checked_loops(
     d = distance / unit
     first = (0.0, 0.0, 0.0, 0.0)
     attempt = 0
+    around = 1.0 - outward if corner[3] < 0.0 else -1.0
+    reached = around if reach > 1.0 else -1.0
     while True:
         nudged = d + _NUDGES[attempt]
-        rows, starts, areas, wrong = offset_loops(P, segment, firsts, tree, nudged, corner)
+        rows, starts, areas, wrong = offset_loops(
+            P, segment, firsts, tree, nudged, corner, around if attempt > 0 else reached
+        )
         said = (OPEN, wrong[1], wrong[2], 0.0)
         m = rows.shape[0]
         vertices, bulges, curves = np.empty((m, 2)), np.empty(m), np.empty(m)

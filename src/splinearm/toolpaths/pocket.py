@@ -8,15 +8,13 @@ import numpy as np
 from splinearm.arrays import FloatArray
 from splinearm.errors import OffsetError
 
-from .clearance import Wall
 from .contour import Contour, joined
 from .lead_in import with_leads
 from .mill import Mill
-from .offset import Offsets
-from .operation import Milled, Milling, Run, Track
+from .operation import Milled, Milling, Notes, Run, Track
+from .pocket_side import ContourSides, Ring, Sides, along_walls, tell_narrow
 from .region import Region
 from .ridge import ridge_ways
-from .stretch import begun_at, begun_on
 
 _MOST_RINGS = 10_000
 _BESIDE = 1e-6
@@ -40,88 +38,79 @@ def pocket(parts: Sequence[Region], setting: Milling) -> Milled:
         GougeError: If a way would come nearer to a part than the cutter's radius.
         ValueError: If there are no parts.
     """
+    return pocket_within([ContourSides(part) for part in parts], setting)
+
+
+def pocket_within(parts: Sequence[Sides], setting: Milling) -> Milled:
+    """Clear what lies within sides: see `pocket`."""
     if not parts:
         raise ValueError("parts: want at least one")
     mill = Mill(setting)
-    for part in parts:
-        mill.wall = Wall.of(part.contours, setting.reach)
-        runs = pocket_runs(part, setting, mill.wall)
+    for sides in parts:
+        mill.wall = sides.wall(setting)
+        runs = pocket_runs(sides, setting, mill.notes)
         if not runs:
-            x, y = (part.outer.vertices.mean(axis=0) * 1e3).tolist()
-            mill.notes.add(f"the pocket at ({x:.6g}, {y:.6g}) mm is too narrow for the cutter")
+            tell_narrow(sides, mill.notes)
             continue
         mill.cut(runs, setting.levels)
         if setting.finish:
-            finish(mill, part)
+            finish(mill, sides)
     return mill.milled()
 
 
-def finish(mill: Mill, part: Region) -> None:
+def finish(mill: Mill, sides: Sides) -> None:
     """Take off what was left on the sides of a pocket, at full depth."""
     setting = mill.setting
-    mill.setting = replace(setting, stock=0.0, finish=False)
-    reach = mill.setting.reach
-    mill.wall = Wall.of(part.contours, reach)
-    ways = wall_ways(Offsets(part).at(-reach), setting)
-    mill.wall.require_clear([way.path for way in ways])
+    mill.setting = fine = replace(setting, stock=0.0, finish=False)
+    mill.wall = sides.wall(fine)
+    ways = along_walls(sides, fine, mill.notes)
+    sides.require_clear(ways, fine)
     runs = [with_leads(way, mill.wall, setting.lead, mill.notes) for way in ways]
     mill.cut(runs, setting.levels[-1:], whole=True)
     mill.setting = setting
-
-
-def wall_ways(regions: Sequence[Region], setting: Milling) -> list[Track]:
-    """Give the contours of regions in which the cutter's middle may be, as ways along the wall."""
-    ways = []
-    for region in regions:
-        for contour in region.contours:
-            turned = contour if setting.wall == -1 else contour.reversed()
-            longest = int(turned.lengths.argmax())
-            middle = float(turned.lengths[:longest].sum() + 0.5 * turned.lengths[longest])
-            ways.append(Track(begun_at(turned, middle), setting.wall))
-    return ways
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Loop:
     """A way of the pocket before it is known where it begins."""
 
-    contour: Contour
+    ring: Ring
     level: int
 
 
-def pocket_runs(part: Region, setting: Milling, wall: Wall) -> list[Run]:
+def pocket_runs(sides: Sides, setting: Milling, notes: Notes) -> list[Run]:
     """Give the ways that clear a region, linked where that is clear of its walls."""
-    step = setting.over
-    loops = _loops(part, setting, step)
+    # rings that are farther apart than they should be take as much less between them
+    radius = setting.cutter.radius - sides.spare
+    step = min(setting.over, 2.0 * radius)
+    loops = _loops(sides, setting, (step, radius), notes)
     if not loops:
         return []
-    turned = [c if setting.wall == -1 else c.reversed() for c in (loop.contour for loop in loops)]
-    wall.require_clear(turned)
-    levels = np.array([float(loop.level) for loop in loops])
-    return _linked(turned, levels, setting, wall)
+    sides.require_clear([Track(loop.ring.contour, legs=loop.ring.legs) for loop in loops], setting)
+    return _linked(loops, setting, sides, step)
 
 
-def _loops(part: Region, setting: Milling, step: float) -> list[_Loop]:
+def _loops(sides: Sides, setting: Milling, sizes: tuple[float, float], notes: Notes) -> list[_Loop]:
     """Give the rings from the outside to the inside, with what goes between them."""
-    offsets = Offsets(part)
-    first = setting.reach
-    rings: list[tuple[Region, ...]] = []
+    offsets, first, (step, radius) = sides.offsets, sides.reach(setting), sizes
+    rooms: list[tuple[Region, ...]] = []
     for k in range(_MOST_RINGS):
         found = offsets.at(-(first + k * step))
         if not found:
             break
-        rings.append(found)
+        rooms.append(found)
     else:
         raise OffsetError(step, f"more than {_MOST_RINGS} rings", (0.0, 0.0))
     loops: list[_Loop] = []
-    ridges = step > setting.cutter.radius * (1.0 + 1e-9)
-    for k, regions in enumerate(rings):
+    ridges = step > radius * (1.0 + 1e-9)
+    for k, regions in enumerate(rooms):
         # what goes between two rings counts as a level of its own
-        loops += [_Loop(c, 2 * k) for region in regions for c in region.contours]
+        loops += [_Loop(ring, 2 * k) for ring in sides.rings(regions, k * step, setting, notes)]
         if ridges:
-            inner = rings[k + 1] if k + 1 < len(rings) else ()
-            ways = ridge_ways(offsets, inner, first + k * step, step, setting.cutter.radius)
-            loops += [_Loop(way, 2 * k + 1) for way in ways]
+            inner = rooms[k + 1] if k + 1 < len(rooms) else ()
+            ways = ridge_ways(offsets, inner, first + k * step, step, radius)
+            turned = [way if setting.wall == -1 else way.reversed() for way in ways]
+            loops += [_Loop(Ring(way), 2 * k + 1) for way in turned]
     return loops
 
 
@@ -168,32 +157,33 @@ def _net(loops: Sequence[Contour], levels: FloatArray, step: float) -> _Net:
     return _Net(loops, P, segment, firsts, before, near, np.ones(count))
 
 
-def _linked(
-    loops: Sequence[Contour], levels: FloatArray, setting: Milling, wall: Wall
-) -> list[Run]:
+def _linked(loops: Sequence[_Loop], setting: Milling, sides: Sides, step: float) -> list[Run]:
     """Give loops as runs, from the inside to the outside, always on to the nearest."""
-    net = _net(loops, levels, setting.over)
+    levels = np.array([float(loop.level) for loop in loops])
+    wall = sides.wall(setting)
+    net = _net([loop.ring.contour for loop in loops], levels, step + sides.spare)
     runs: list[Run] = []
     tracks: list[Track] = []
     inmost = int(levels.argmax())
-    spot, room = np.array(loops[inmost].vertices[0]), 0.0
+    spot, room = np.array(loops[inmost].ring.contour.vertices[0]), 0.0
     for _ in range(len(loops)):
         loop, far, place, segment = net.nearest(spot)
         net.take(loop)
-        contour = loops[loop]
-        begun = begun_on(contour, segment, place)
-        begin = begun.vertices[0]
+        ring = loops[loop].ring
+        begun = ring.begun(segment, place, setting.wall)
+        begin = begun.path.vertices[0]
         if tracks:
-            if far <= _FAR * setting.over and (far <= room or wall.is_clear(spot, begin)):
+            inside = far <= room and not ring.legs
+            if far <= _FAR * step and (inside or wall.is_clear(spot, begin)):
                 if (begin != spot).any():
                     link = Contour.made(np.array([spot, begin]), np.zeros(1), closed=False)
                     tracks.append(Track(link, setting.wall, link=True))
             else:
                 runs.append(Run(tuple(tracks)))
                 tracks = []
-        tracks.append(Track(begun, setting.wall))
-        spot = begun.vertices[-1]
+        tracks.append(begun)
+        spot = begun.path.vertices[-1]
         # a loop of the level 2 k is k steps farther from the wall than it must be
-        room = (levels[loop] // 2) * setting.over * (1.0 + _BESIDE)
+        room = (levels[loop] // 2) * step * (1.0 + _BESIDE)
     runs.append(Run(tuple(tracks)))
     return runs

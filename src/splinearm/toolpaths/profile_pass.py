@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import ceil
 from typing import Protocol
 
 import numpy as np
@@ -45,7 +46,8 @@ def profile(
         parts: What is kept (outside) or opened (inside).
         setting: The cutter and how it is used.
         side: On which side of the contours it goes.
-        tabs: Where outer contours stay joined to the stock; None: nowhere.
+        tabs: Where contours stay joined to the stock; openings have as many as have room; None:
+            nowhere.
 
     Raises:
         GougeError: If a way would come nearer to any of the parts than the cutter's radius.
@@ -59,16 +61,17 @@ def profile(
 def cut_edges(edges: Edges, setting: Milling, tabs: Tabs | None) -> Milled:
     """Cut along edges, openings first, each to its full depth; then what was left on the sides."""
     mill = Mill(setting, edges.wall(setting.reach))
-    rough = _ordered(*edges.ways(setting, mill.notes))
+    inner, outer = edges.ways(setting, mill.notes)
+    rough = _ordered(inner, outer)
     over = None if tabs is None else setting.levels[-1] + tabs.height
-    places = [tab_places(way.path, tabs, setting.cutter.radius) if tabs else None for way in rough]
+    openings = {id(way) for way in inner}
+    places = [_held(way, tabs, mill, opening=id(way) in openings) for way in rough]
     _cut(mill, edges, rough, (places, tabs), setting.levels, over)
     if setting.finish and mill.wall is not None:
         mill.setting = replace(setting, stock=0.0, finish=False)
         fine = _ordered(*edges.ways(mill.setting, Notes()))
         mill.wall = edges.wall(mill.setting.reach)
-        spots = [spot for spot in places if spot is not None]
-        around = [_near(way, spots) for way in fine]
+        around = [places[_nearest(way, rough)] for way in fine]
         _cut(mill, edges, fine, (around, tabs), setting.levels[-1:], over)
     return mill.milled()
 
@@ -172,9 +175,21 @@ def _begun(contour: Contour) -> Contour:
     return begun_at(contour, float(lengths[:i].sum() + 0.5 * lengths[i]))
 
 
-def _near(way: Track, groups: Sequence[FloatArray]) -> FloatArray | None:
-    """Give the tab places that belong to a way: those of the group that is nearest to it."""
-    if not groups:
-        return None
+def _held(way: Track, tabs: Tabs | None, mill: Mill, *, opening: bool) -> FloatArray | None:
+    """Give where the tabs of a way are; of an opening as many as have room."""
+    radius = mill.setting.cutter.radius
+    if tabs is not None and opening:
+        room = ceil(way.path.length / (tabs.length + 2.0 * radius)) - 1
+        if room < tabs.count:
+            x, y = (np.reshape(way.path.bounds, (2, 2)).mean(axis=0) * 1e3).tolist()
+            what = f"{room} of {tabs.count} tabs"
+            mill.notes.add(f"the opening at ({x:.6g}, {y:.6g}) mm has room for {what}")
+            tabs = replace(tabs, count=room) if room else None
+    return None if tabs is None else tab_places(way.path, tabs, radius)
+
+
+def _nearest(way: Track, others: Sequence[Track]) -> int:
+    """Give which of other ways goes along the same contour."""
     contour = opened(way.path)
-    return min(groups, key=lambda places: float(contour.distance(places).max()))
+    far = [float(contour.distance(other.path.vertices).max()) for other in others]
+    return int(np.argmin(far))

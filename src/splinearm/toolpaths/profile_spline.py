@@ -31,7 +31,7 @@ def spline_profile(
     tolerance: float,
     tabs: Tabs | None = None,
 ) -> Milled:
-    """Go along outlines and openings on one side of them; splines stay splines.
+    """Go along outlines and openings beside them or on them; splines stay splines.
 
     Leads are arcs and ramps go along arcs, as controllers keep splines level. Where tabs stay
     splines are cut in two, exactly.
@@ -39,17 +39,16 @@ def spline_profile(
     Args:
         parts: Of each part the closed wires: its outline, then its openings.
         setting: The cutter and how it is used.
-        side: Outside of the parts or inside of them.
+        side: Outside of the parts, inside of them, or on the wires themselves.
         tolerance: How much farther from the wires than its radius the cutter may be, m.
-        tabs: Where outer contours stay joined to the stock; None: nowhere.
+        tabs: Where contours stay joined to the stock; openings have as many as have room; None:
+            nowhere.
 
     Raises:
         GougeError: If a way would come nearer to any of the parts than the cutter's radius.
         OffsetError: If a wire crosses itself or no way passes its check.
-        ValueError: If ways are to go on the wires themselves, or tabs have no room.
+        ValueError: If tabs have no room.
     """
-    if side is Side.ON:
-        raise ValueError("side: want outside or inside; along the line engrave")
     return cut_edges(_Wires(tuple(tuple(part) for part in parts), side, tolerance), setting, tabs)
 
 
@@ -61,28 +60,35 @@ class _Wires:
     side: Side
     tolerance: float
 
-    def wall(self, distance: float) -> SplineWall:
+    def wall(self, distance: float) -> SplineWall | None:
+        if self.side is Side.ON:
+            return None
         return SplineWall.of([wire for part in self.parts for wire in part], distance)
 
     def ways(self, setting: Milling, notes: Notes) -> tuple[list[Track], list[Track]]:
         groups: tuple[list[Track], list[Track]] = [], []
         turn = turned(setting, self.side)
+        wall = 0 if self.side is Side.ON else setting.wall
         for part in self.parts:
             for wire in self._beside(part, setting.reach, notes):
                 around = self.side is Side.INSIDE or wire_area(wire.pieces) > 0.0
                 pieces = _reversed(wire.pieces) if turn else list(wire.pieces)
                 legs = legs_of(begun_well(pieces), _BESIDE * self.tolerance)
-                groups[around].append(Track(path_of(legs), setting.wall, legs=legs))
+                groups[around].append(Track(path_of(legs), wall, legs=legs))
         return groups
 
     def require_clear(self, ways: Sequence[Track], distance: float) -> None:
         # those beside one part were proven when they were made, but not the arcs beside them
         beside = [piece for way in ways for piece in way.path.pieces()]
         other = [leg.piece for way in ways for leg in way.legs] if len(self.parts) > 1 else []
-        self.wall(distance).require_clear(beside + other)
+        wall = self.wall(distance)
+        if wall is not None:
+            wall.require_clear(beside + other)
 
     def _beside(self, part: Sequence[Wire], reach: float, notes: Notes) -> tuple[Wire, ...]:
         outline, *openings = part
+        if self.side is Side.ON:  # the part lies to the left of its wires
+            return offset_outline(outline, 0.0, self.tolerance, islands=openings)
         distance = reach if self.side is Side.OUTSIDE else -reach
         found = offset_outline(outline, distance, self.tolerance, islands=openings)
         if len(found) < len(part) or not found:

@@ -98,6 +98,7 @@ class Region:
 
 def _check(region: Region) -> None:
     """Raise unless no two segments cross and islands lie where islands can be."""
+    from .contour_along_kernel import first_crossing_along
     from .contour_kernel import first_crossing, first_shared
     from .offset_kernel import pieces_of
 
@@ -108,6 +109,10 @@ def _check(region: Region) -> None:
     if i >= 0:
         first, second = (_name(starts, int(segment[k])) for k in (i, j))
         raise ContourError(f"{first} crosses {second}", (x, y))
+    i, j, x, y = first_crossing_along(P, loops, _TINY * size)
+    if i >= 0:
+        first, second = (_name(starts, int(segment[k])) for k in (i, j))
+        raise ContourError(f"{first} runs along {second} and crosses it", (x, y))
     i, j, x, y = first_shared(P, loops, _TINY * size)
     if i >= 0:
         first, second = (_name(starts, int(segment[k])) for k in (i, j))

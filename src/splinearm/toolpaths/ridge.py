@@ -8,24 +8,20 @@ take what is there: nothing of it is farther than r from them.
 """
 
 from collections.abc import Iterator, Sequence
-from math import ceil
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
 from splinearm.arrays import FloatArray
 
-from .contour import Contour
+from .contour import Contour, joined
 from .offset import Offsets
 from .region import Region
-from .stretch import direction_at, place_at, stretch
+from .stretch import stretch
 
 _STEP = 0.1
 """Looks along a contour are so many radii apart."""
-_RAYS = 8
-_LEFT = 0.86
-"""Something stays where a look is farther from the next ring than so many radii: looks are near
-enough to each other that nothing between them is farther than one."""
 
 
 def ridge_ways(
@@ -40,65 +36,24 @@ def ridge_ways(
         step: How much farther the inner one is, above the radius, m.
         radius: The cutter's, m.
     """
-    level = distance + radius
+    from .ridge_kernel import looked_along
+
+    level, step_along = distance + radius, _STEP * radius
     contours = [c for region in offsets.at(-level) for c in region.contours]
-    if not inner:
+    if not inner or not contours:
         return contours
+    ring = joined(c for region in inner for c in region.contours)
+    sizes = level, step - radius, radius
+    rows, begins = looked_along(
+        joined(contours), joined(offsets.part.contours), ring, sizes, step_along
+    )
     ways: list[Contour] = []
-    beyond = step - radius
-    for contour in contours:
-        alongs, places, normals = _looks(contour, _STEP * radius)
-        far = _distance(inner, places)
-        open_ = far > beyond * (1.0 + 1e-6)
-        if not open_.any():
-            continue
-        left = np.zeros(len(places), dtype=bool)
-        left[open_] = _stays(
-            offsets.part, inner, places[open_], normals[open_], (level, beyond, radius)
-        )
-        ways += _stretches(contour, alongs, open_, left, _STEP * radius)
+    for contour, (first, end) in zip(contours, pairwise(begins.astype(int).tolist()), strict=True):
+        own = rows[first:end]
+        open_ = own[:, 1] == 1.0
+        if open_.any():
+            ways += _stretches(contour, own[:, 0], open_, own[:, 2] == 1.0, step_along)
     return ways
-
-
-def _looks(contour: Contour, step: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Give places along a contour, from corner to corner, and the direction to its left there."""
-    rows: list[tuple[float, FloatArray, FloatArray]] = []
-    mark = 0.0
-    for start, end, bulge, size in zip(
-        contour.starts, contour.ends, contour.bulges.tolist(), contour.lengths, strict=True
-    ):
-        if size == 0.0:
-            continue
-        count = max(1, ceil(size / step))
-        for k in range(count + 1):
-            t = direction_at(start, end, bulge, k / count)
-            place = place_at(start, end, bulge, k / count)
-            rows.append((mark + size * k / count, place, np.array([-t[1], t[0]])))
-        mark += size
-    alongs, places, normals = zip(*rows, strict=True)
-    return np.array(alongs), np.array(places), np.array(normals)
-
-
-def _distance(regions: Sequence[Region], places: FloatArray) -> FloatArray:
-    found: FloatArray = np.min([region.distance(places) for region in regions], axis=0)
-    return found
-
-
-def _stays(
-    part: Region,
-    inner: Sequence[Region],
-    places: FloatArray,
-    normals: FloatArray,
-    sizes: tuple[float, float, float],
-) -> npt.NDArray[np.bool_]:
-    """Say from which places straight ways lead to what the inner ring does not reach."""
-    level, beyond, radius = sizes
-    steps = np.linspace(0.0, beyond, _RAYS)
-    looks = places[:, None, :] + steps[None, :, None] * normals[:, None, :]
-    # on its way from the wall a place is farther by as much as it went
-    on_way = part.distance(looks) >= level + steps - 1e-9 * (level + beyond)
-    stays = on_way & (_distance(inner, looks) > _LEFT * radius)
-    return np.asarray(stays.any(axis=1))
 
 
 def _stretches(

@@ -7,12 +7,12 @@ import numpy as np
 
 from splinearm.arrays import FloatArray
 
-from .clearance import Wall
 from .contour import Contour
 from .mill import Mill
 from .offset import Offsets
 from .operation import Milled, Milling, Run, Track
 from .pocket import finish, pocket_runs
+from .pocket_side import ContourSides, Ring, Sides, tell_narrow
 from .region import Region
 from .stretch import begun_at, nearest_along, place_on, stretch
 
@@ -38,6 +38,11 @@ def spiral(parts: Sequence[Region], setting: Milling) -> Milled:
         GougeError: If a way would come nearer to a part than the cutter's radius.
         ValueError: If there are no parts.
     """
+    return spiral_within([ContourSides(part) for part in parts], setting)
+
+
+def spiral_within(parts: Sequence[Sides], setting: Milling) -> Milled:
+    """Clear what lies within sides on ways that wind outwards: see `spiral`."""
     if not parts:
         raise ValueError("parts: want at least one")
     mill = Mill(setting)
@@ -47,34 +52,53 @@ def spiral(parts: Sequence[Region], setting: Milling) -> Milled:
         mill.notes.add(
             f"turns of a spiral are {most * 1e3:.6g} mm apart: farther would leave ridges"
         )
-    step = min(setting.over, most)
-    for part in parts:
-        mill.wall = Wall.of(part.contours, setting.reach)
-        if not Offsets(part).at(-setting.reach):
-            x, y = (part.outer.vertices.mean(axis=0) * 1e3).tolist()
-            mill.notes.add(f"the pocket at ({x:.6g}, {y:.6g}) mm is too narrow for the cutter")
+    for sides in parts:
+        mill.wall = sides.wall(setting)
+        reach = sides.reach(setting)
+        rooms = sides.offsets.at(-reach)
+        if not rooms:
+            tell_narrow(sides, mill.notes)
             continue
-        mirrored = setting.wall == 1
-        wound = part.transformed(mirrored=True) if mirrored else part
-        way = _winding(Offsets(wound), setting.reach, step)
+        way = None
+        if sum(len(room.contours) for room in rooms) == 1:
+            (ring,) = sides.rings(rooms, 0.0, setting, mill.notes)
+            way = _wound(sides, ring, min(setting.over, most - sides.spare), setting)
         if way is None:
             mill.notes.add("a pocket with islands or necks is cleared by parallel contours instead")
-            runs = pocket_runs(
-                part, replace(setting, step_over=min(setting.over, radius)), mill.wall
-            )
+            own = replace(setting, step_over=min(setting.over, radius))
+            runs = pocket_runs(sides, own, mill.notes)
         else:
-            if mirrored:
-                way = [_mirrored(path) for path in way]
-            runs = [Run(tuple(Track(path, setting.wall) for path in way))]
-        mill.wall.require_clear([t.path for run in runs for t in run.tracks])
+            runs = [Run(tuple(way))]
         mill.cut(runs, setting.levels)
         if setting.finish:
-            finish(mill, part)
+            finish(mill, sides)
     return mill.milled()
 
 
+def _wound(sides: Sides, ring: Ring, step: float, setting: Milling) -> list[Track] | None:
+    """Give the way that winds outwards and then goes along the wall, or nothing."""
+    mirrored = setting.wall == 1
+    offsets = Offsets(sides.part.transformed(mirrored=True)) if mirrored else sides.offsets
+    paths = _winding(offsets, sides.reach(setting), step)
+    if paths is None:
+        return None
+    ways = [Track(_mirrored(path) if mirrored else path, setting.wall) for path in paths]
+    at = ways[-1].path.vertices[-1]
+    last = ring.begun_at(nearest_along(ring.contour, at), setting.wall)
+    sides.require_clear([*ways, last], setting)
+    begin = last.path.vertices[0]
+    if ring.legs:
+        if not sides.wall(setting).is_clear(at, begin):
+            return None
+        link = Contour.made(np.array([at, begin]), np.zeros(1), closed=False)
+        ways.append(Track(link, setting.wall, link=True))
+    else:
+        last = replace(last, path=_from(last.path, at))
+    return [*ways, last]
+
+
 def _winding(offsets: Offsets, first: float, step: float) -> list[Contour] | None:
-    """Give the way from the inmost ring to the wall, or nothing if rings fall apart."""
+    """Give the way from the inmost ring to that along the wall, or nothing if rings fall apart."""
     if offsets.part.islands:
         return None
     count = 0
@@ -104,8 +128,6 @@ def _winding(offsets: Offsets, first: float, step: float) -> list[Contour] | Non
         part = stretch(ring, along, along + whole / _PARTS)
         ways.append(part)
         at = part.vertices[-1]
-    wall = offsets.at(-first)[0].outer
-    ways.append(begun_at(wall, nearest_along(wall, at)))
     return [_from(way, ways[i - 1].vertices[-1]) if i else way for i, way in enumerate(ways)]
 
 

@@ -16,6 +16,8 @@ from .stretch import place_on, stretch
 
 _TINY = 1e-9
 """Share of its length below which nothing is left of a piece."""
+_SLIVER = 1e-3
+"""Ways are not begun nearer to where two pieces meet than this share of one, but there."""
 _ROUNDS = 4
 """Steps of Newton's method from about the place of a spline."""
 
@@ -87,6 +89,42 @@ def pieces_between(legs: Sequence[Leg], begin: float, end: float) -> tuple[Piece
             found += [leg.piece] if whole else leg.between(first, last)
         at += size
     return tuple(found)
+
+
+def begun_legs(legs: Sequence[Leg], along: float, tolerance: float) -> tuple[Leg, ...]:
+    """Give legs that go around begun elsewhere; splines are cut exactly.
+
+    Args:
+        legs: The legs, of which the last ends where the first begins.
+        along: Where they shall begin, by the length along their path, m; not exactly, where two
+            pieces meet nearby.
+        tolerance: How far the arcs beside what is cut may be from it, m.
+    """
+    ends = np.cumsum([leg.path.length for leg in legs])
+    k = min(int(np.searchsorted(ends, along)), len(legs) - 1)
+    leg, size = legs[k], legs[k].path.length
+    share = 1.0 - (float(ends[k]) - along) / size
+    if not _SLIVER < share < 1.0 - _SLIVER:
+        k += share > _SLIVER
+        return (*legs[k:], *legs[:k])
+    before, behind = _cut(leg, share * size)
+    return (*legs_of(behind, tolerance), *legs[k + 1 :], *legs[:k], *legs_of(before, tolerance))
+
+
+def _cut(leg: Leg, along: float) -> tuple[list[Piece], list[Piece]]:
+    """Give what is before and what is behind a place of a leg, by the length along its path, m."""
+    before, behind = list(leg.between(0.0, along)), list(leg.between(along, leg.path.length))
+    spot = before[-1].end
+    before[0] = _from_to(before[0], leg.piece.start, before[0].end)
+    behind[0] = _from_to(behind[0], spot, behind[0].end)
+    behind[-1] = _from_to(behind[-1], behind[-1].start, leg.piece.end)
+    return before, behind
+
+
+def _from_to(piece: Piece, start: FloatArray, end: FloatArray) -> Piece:
+    """Give a piece with exactly these ends."""
+    same = (piece.start == start).all() and (piece.end == end).all()
+    return piece if same else piece.between(start, end)
 
 
 def begun_well(pieces: Sequence[Piece]) -> list[Piece]:

@@ -109,7 +109,7 @@ class RoughOffset:
         wrong = rows = begins = np.zeros(3)
         for nudge in _NUDGES:
             rows, begins, _, wrong = offset_loops(
-                P, segment, firsts, tree, self.distance + nudge, (0.0, 1.0)
+                P, segment, firsts, tree, self.distance + nudge, (0.0, 1.0, 0.0, -1.0), -1.0
             )
             if wrong[0] < 0.0:
                 break

@@ -13,7 +13,7 @@ from splinearm.curves.hermite import Jet, quintic_spline
 
 from .action import Action, ArcFeed, Dwell, Feed, Message, Move, Rapid, SplineFeed
 from .corner import FREE, half_widths
-from .short_line import smooth_runs
+from .short_line import JOINT, smooth_runs
 from .stroke import Strokes, bends, strokes_of
 
 _NOTHING = 1e-9
@@ -70,6 +70,8 @@ class _Read:
     moves: list[Move] = field(default_factory=list)
     before: dict[int, list[Action]] = field(default_factory=dict)
     names: list[str] = field(default_factory=list)
+    joints: frozenset[int] = frozenset()
+    """Moves that go on from the one before them without a corner, one of both a fitted spline."""
     dropped: int = 0
     comes_down: bool = False
 
@@ -94,6 +96,7 @@ class _Read:
             moves=[run.move for run in runs],
             before={i: self.before[k] for i, k in enumerate(begins) if k in self.before},
             names=[self.name(run.first, run.count) for run in runs],
+            joints=frozenset(i for i, run in enumerate(runs) if run.goes_on),
         )
 
 
@@ -238,8 +241,9 @@ def _blend(read: _Read, i: int, j: int) -> float:
         return 0.0 if isinstance(before, Rapid) and isinstance(behind, Rapid) else -1.0
     if before.blend is None or behind.blend is None:
         return 0.0
-    blend = min(before.blend, behind.blend)
-    return FREE if blend == inf else blend
+    blend = min(before.blend, behind.blend, FREE if j in read.joints else inf)
+    blend = FREE if blend == inf else blend
+    return JOINT * blend if j in read.joints and i != j else blend
 
 
 def _position(strokes: Strokes, widths: FloatArray, begin: int, end: int) -> BSpline:

@@ -12,6 +12,10 @@ from splinearm.arrays import FloatArray
 from splinearm.compiled import fast_kernel
 
 _GOLD = 0.6180339887498949
+_EDGE = 0.05
+"""What only the outermost share of a cell of a tool gets is no depth: chords of the same curve may
+differ there.
+"""
 
 
 @fast_kernel
@@ -90,6 +94,7 @@ def carve(
     for w in range(ways.shape[0]):
         tool = (tools[w, 0], tools[w, 1], tools[w, 2])
         r = tools[w, 1]
+        inner = (tools[w, 0], max(0.5 * r, r - _EDGE * cell), tools[w, 2])
         ax, ay, bx, by = ways[w, 0], ways[w, 1], ways[w, 3], ways[w, 4]
         first = max(0, math.ceil((min(ay, by) - r - y0) / cell))
         last = min(rows - 1, math.floor((max(ay, by) + r - y0) / cell))
@@ -111,9 +116,11 @@ def carve(
                 deep = heights[i, j] - height
                 if deep > 0.0:
                     volume += deep
-                    heights[i, j] = height
                     if deep > deepest:
-                        deepest, dx, dy = deep, x, y
+                        deep = heights[i, j] - _lowest(ways, w, inner, x, y)
+                        if deep > deepest:
+                            deepest, dx, dy = deep, x, y
+                    heights[i, j] = height
         found[w, 0], found[w, 1], found[w, 2] = deepest, dx, dy
         found[w, 3] = volume * cell * cell
 

@@ -40,6 +40,9 @@ class Allowance:
     """How far ways may cut into the part, m."""
     left: float = 1e-5
     """How much may be left of what shall go, m: what is left for later is added to it."""
+    beside: float = 0.0
+    """How much farther from walls than its radius a cutter may keep, m: what is reached from nearer
+    to them only, in narrow corners and necks, may stay."""
     cell: float | None = None
     """Size of the cells of the map of heights, m; None: about 400 000 of them."""
 
@@ -71,7 +74,7 @@ def verify(
     beside = cuts.with_track(off_lines(cuts.track, task.lines, allowed.gouge))
     deepest, found = gouges(task, beside, allowed.gouge)
     found += too_deep(task, beside, allowed.gouge)
-    rests = [leftovers(task, zone, cuts, allowed.left) for zone in task.zones]
+    rests = [leftovers(task, zone, cuts, (allowed.left, allowed.beside)) for zone in task.zones]
     found += [fault for rest in rests for fault in rest.faults]
     missed = [lines.left(cuts.track, allowed.gouge) for lines in task.lines]
     found += [fault for _, faults in missed for fault in faults]
@@ -81,7 +84,8 @@ def verify(
     found += way_faults(moves, tools, done, task.top)
     if task.zones or task.lines:
         asked = task.floors(blank, cleared=True)
-        found += height_faults(task, left, (wanted, asked), cuts, (allowed.gouge, allowed.left))
+        limits = allowed.gouge, allowed.left, allowed.beside
+        found += height_faults(task, left, (wanted, asked), cuts, limits)
     return Verification(
         faults=worst([*faults, *found]),
         gouge=deepest,

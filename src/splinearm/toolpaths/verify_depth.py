@@ -9,7 +9,7 @@ import numpy.typing as npt
 from splinearm.arrays import FloatArray
 
 from .action import Cutting, Move, Rapid
-from .cutter import Cutter
+from .cutter import Cutter, Tip
 from .stock import HeightMap
 from .verify_part import Task
 from .verify_plane import Cuts
@@ -67,7 +67,7 @@ def height_faults(
     left: HeightMap,
     wanted: tuple[HeightMap, HeightMap],
     cuts: Cuts,
-    allowed: tuple[float, float],
+    allowed: tuple[float, float, float],
 ) -> Iterator[Fault]:
     """Give where heights are too low or too high: more than a cell from any edge.
 
@@ -76,7 +76,8 @@ def height_faults(
         left: What is left.
         wanted: How low it may be, and how low it must be.
         cuts: What cuts.
-        allowed: How much may be cut too deep, and how much may be left.
+        allowed: How much may be cut too deep, how much may be left, and how much farther than they
+            must cutters may keep off.
     """
     low = _spread(wanted[0].heights, np.minimum) - left.heights
     if low.max() > allowed[0]:
@@ -91,7 +92,9 @@ def height_faults(
     if len(rows):
         order = np.argsort(-high[rows, columns])[:: max(1, len(rows) // _LOOKS)]
         points = left.corner + left.cell * np.column_stack((columns[order], rows[order]))
-        reached = _reachable(task, wanted[1], (rows[order], columns[order]), points, cuts)
+        reached = _reachable(
+            task, wanted[1], (rows[order], columns[order]), points, (cuts, *allowed[1:])
+        )
         if reached.any():
             first = order[int(np.argmax(reached))]
             row, column = int(rows[first]), int(columns[first])
@@ -111,9 +114,13 @@ def _reachable(
     wanted: HeightMap,
     cells: tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]],
     points: FloatArray,
-    cuts: Cuts,
+    those: tuple[Cuts, float, float],
 ) -> npt.NDArray[np.bool_]:
-    """Say which places a cutter can cover at their floors, shape (m,)."""
+    """Say which places a cutter can cover at their floors, and did not, shape (m,).
+
+    Cells are cut along chords: what these leave where two ways just touch was cut.
+    """
+    cuts, tolerance, beside = those
     floors = wanted.heights[cells]
     reached = np.zeros(len(points), dtype=bool)
     for floor in np.unique(floors).tolist():
@@ -122,7 +129,11 @@ def _reachable(
         for cutter in cuts.tools():
             radius = cutter.radius_at(task.top - floor)
             if radius > 0.0 and (free.everywhere or len(free.outline)):
-                reached[here] |= free.reachable(points[here], radius)
+                reached[here] |= free.reachable(points[here], radius + beside)
+        for cutter in cuts.tools():
+            if cutter.tip is Tip.FLAT:
+                low = cuts.of_tool(cutter).below(floor + tolerance)
+                reached[here] &= low.gaps(points[here]) > cutter.radius + tolerance
     return reached
 
 

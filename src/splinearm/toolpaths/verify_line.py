@@ -58,7 +58,7 @@ class Lines:
     def carry(self, track: Track, tolerance: float) -> npt.NDArray[np.bool_]:
         """Say which pieces of ways are on them and not below their floor, shape (m,)."""
         which, places = _looks(track)
-        near = _gaps(self.track, places) <= self.slack + tolerance
+        near = self.track.gaps(places, 0.1 * _SAME) <= self.slack + tolerance
         on = np.ones(len(track.pieces), dtype=bool)
         np.logical_and.at(on, which, near)
         shallow: npt.NDArray[np.bool_] = track.heights.min(axis=1) >= self.floor - tolerance
@@ -78,8 +78,7 @@ class Lines:
         return float(missed.max()), self._faults(places, missed, tolerance)
 
     def _missed(self, cut: Track, places: FloatArray, height: float) -> FloatArray:
-        low = cut.below(height + 1e-7)
-        return _gaps(low, places) if len(low.pieces) else np.full(len(places), np.inf)
+        return cut.below(height + 1e-7).gaps(places, 0.1 * _SAME)
 
     def _faults(self, places: FloatArray, missed: FloatArray, tolerance: float) -> Iterator[Fault]:
         wrong = missed > self.slack + tolerance
@@ -118,15 +117,6 @@ def _looks(track: Track) -> tuple[npt.NDArray[np.intp], FloatArray]:
     share = number / (counts - 1)[which]
     ends = track.parts(np.zeros(len(which)), share, which).pieces[:, 2:4]
     return which, np.ascontiguousarray(ends)
-
-
-def _gaps(track: Track, places: FloatArray) -> FloatArray:
-    """Give how far places are from the nearest piece of ways, shape (m,), m."""
-    from .verify_kernel import gaps
-
-    far = np.empty(len(places))
-    gaps(np.ascontiguousarray(track.pieces), places, 0.1 * _SAME, far)
-    return far
 
 
 def _way(piece: Piece, z: float) -> Move:

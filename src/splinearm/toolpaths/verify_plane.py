@@ -155,15 +155,16 @@ def too_deep(task: Task, cuts: Cuts, tolerance: float) -> Iterator[Fault]:
         )
 
 
-def leftovers(task: Task, zone: Zone, cuts: Cuts, tolerance: float) -> Leftover:
+def leftovers(task: Task, zone: Zone, cuts: Cuts, allowed: tuple[float, float]) -> Leftover:
     """Give what is left of a zone by places of its edge and, if it shall be cleared, of its inside.
 
     Args:
         task: The whole task.
         zone: The zone.
         cuts: What cuts.
-        tolerance: What may be left, m.
+        allowed: What may be left, and how much farther than they must cutters may keep off, m.
     """
+    tolerance, beside = allowed
     if not cuts.moves:
         x, y = zone.regions[0].outer.vertices[0].tolist()
         where = (x, y, zone.floor)
@@ -182,8 +183,9 @@ def leftovers(task: Task, zone: Zone, cuts: Cuts, tolerance: float) -> Leftover:
             left = higher
     wrong = np.flatnonzero(left > tolerance)
     # only a disc that touches there covers a place on a smooth edge
-    centres = points[wrong] + radius * inward[wrong]
-    reached = free.holds(centres) & (free.gaps(centres) >= radius - 1e-9)
+    wide = radius + beside
+    centres = points[wrong] + wide * inward[wrong]
+    reached = free.holds(centres) & (free.gaps(centres) >= wide - 1e-9)
     found = _sorted(zone, points[wrong], left[wrong], reached, "along the edge")
     rest = _clean(left, tolerance)
     if not zone.cleared or any(cutter.tip is not Tip.FLAT for cutter in cuts.tools()):
@@ -192,7 +194,7 @@ def leftovers(task: Task, zone: Zone, cuts: Cuts, tolerance: float) -> Leftover:
     left = _left(task, zone, cuts, points, zone.floor)
     wrong = np.flatnonzero(left > tolerance)
     looked = wrong[np.argsort(-left[wrong])][:: max(1, len(wrong) // _LOOKS)]
-    reached = free.reachable(points[looked], radius)
+    reached = free.reachable(points[looked], wide)
     inner = _sorted(zone, points[looked], left[looked], reached, "inside")
     return Leftover(
         max(rest, found.left, inner.left),
@@ -231,15 +233,10 @@ def _sorted(
 
 def _left(task: Task, zone: Zone, cuts: Cuts, points: FloatArray, floor: float) -> FloatArray:
     """Give how far places are from what cutters cut at a floor, shape (m,), m."""
-    from .verify_kernel import gaps
-
     left = np.full(len(points), inf)
-    spots = np.ascontiguousarray(points)
     for cutter in cuts.tools():
         radius = cutter.radius_at(task.surface_of(zone) - zone.floor)
-        pieces = cuts.of_tool(cutter).below(floor + 1e-7).pieces
-        if len(pieces) and radius > _THIN:
-            far = np.empty(len(points))
-            gaps(np.ascontiguousarray(pieces), spots, radius * (1.0 - 1e-3), far)
-            left = np.minimum(left, far - radius)
+        if radius > _THIN:
+            low = cuts.of_tool(cutter).below(floor + 1e-7)
+            left = np.minimum(left, low.gaps(points, radius * (1.0 - 1e-3)) - radius)
     return left

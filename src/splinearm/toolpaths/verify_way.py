@@ -54,6 +54,20 @@ class Track:
         begin, end = np.where(first > level, at, 0.0), np.where(last > level, at, 1.0)
         return kept.parts(begin, end, np.arange(len(first)))
 
+    def gaps(self, places: FloatArray, near: float = 0.0) -> FloatArray:
+        """Give how far places are from the nearest piece, shape (m,), m; inf where there is none.
+
+        Args:
+            places: The places, shape (m, 2), m.
+            near: What is nearer than this need not be known better, m.
+        """
+        from .verify_kernel import gaps
+
+        far = np.full(len(places), np.inf)
+        if len(self.pieces):
+            gaps(np.ascontiguousarray(self.pieces), np.ascontiguousarray(places), near, far)
+        return far
+
     def fine(self, longest: float, steepest: float = np.inf) -> "Track":
         """Give the same in pieces up to a length and a rise, m."""
         ends = self.pieces[:, :4]

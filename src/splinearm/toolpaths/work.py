@@ -19,15 +19,17 @@ from .engrave import engrave
 from .joining import joined_program
 from .nesting import Nested, circles, contour_of, nested
 from .operation import Milled, Milling, Side
-from .pocket import pocket
+from .pocket import pocket_within
+from .pocket_side import ContourSides, Sides
+from .pocket_spline import spline_sides
 from .profile_pass import profile
 from .profile_spline import keeps_splines, spline_profile
 from .region import Region
-from .spiral import spiral
+from .spiral import spiral_within
 from .tab import Tabs
 from .verify_line import Lines
 from .verify_part import Zone
-from .zigzag import facing, zigzag
+from .zigzag import facing, zigzag_within
 
 _FINE = 1e-2
 """Share of the tolerance within which arcs stand for splines where ways do without them."""
@@ -141,32 +143,44 @@ def _carry_out(drawing: Drawing, work: Work, exactness: Exactness) -> Done:
             sheet.file, _named(work), f"needs closed wires; there is none{_open_ends(chaining)}"
         )
     around = nested(closed, exactness.tolerance)
-    milling = _with_slack(work.milling, around.slack)
-    milled = _told(_milled(work, around, milling, exactness), chaining)
+    milled = _told(_milled(work, around, exactness), chaining)
     if _as_splines(work, around, exactness):  # ways that know the splines are measured by them
         around = nested(closed, _FINE * exactness.tolerance)
     return Done(work, chaining, milled, _aim(work, around), around.slack)
 
 
-def _milled(work: Work, around: Nested, milling: Milling, exactness: Exactness) -> Milled:
+def _milled(work: Work, around: Nested, exactness: Exactness) -> Milled:
+    milling = _with_slack(work.milling, around.slack)
     match work.kind:
         case Kind.PROFILE if _as_splines(work, around, exactness):
             tolerance = exactness.tolerance
             return spline_profile(around.wires, work.milling, work.side, tolerance, work.tabs)
         case Kind.PROFILE:
             return profile(around.regions, milling, work.side, work.tabs)
-        case Kind.POCKET:
-            return pocket(around.regions, milling)
-        case Kind.ZIGZAG:
-            return zigzag(around.regions, milling, work.angle)
-        case Kind.SPIRAL:
-            return spiral(around.regions, milling)
-        case _:
+        case Kind.FACING:
             return facing(around.regions, milling, work.angle)
+        case _:
+            return _cleared(work, around, exactness)
+
+
+def _cleared(work: Work, around: Nested, exactness: Exactness) -> Milled:
+    if _as_splines(work, around, exactness):
+        parts: Sequence[Sides] = spline_sides(around, exactness.tolerance)
+        milling = work.milling
+    else:
+        parts = [ContourSides(region) for region in around.regions]
+        milling = _with_slack(work.milling, around.slack)
+    match work.kind:
+        case Kind.POCKET:
+            return pocket_within(parts, milling)
+        case Kind.ZIGZAG:
+            return zigzag_within(parts, milling, work.angle)
+        case _:
+            return spiral_within(parts, milling)
 
 
 def _as_splines(work: Work, around: Nested, exactness: Exactness) -> bool:
-    asked = exactness.splines and work.side is not Side.ON
+    asked = exactness.splines and work.kind is not Kind.FACING
     return asked and keeps_splines(around.wires)
 
 

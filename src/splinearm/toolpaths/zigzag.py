@@ -12,9 +12,10 @@ from .clearance import Wall
 from .contour import Contour
 from .lead_in import with_leads
 from .mill import Mill
-from .offset import Offsets, offset
+from .offset import offset
 from .operation import Milled, Milling, Run, Track
-from .pocket import finish, wall_ways
+from .pocket import finish
+from .pocket_side import ContourSides, Sides, along_walls, tell_narrow
 from .region import Region
 from .stretch import along_of, stretch
 
@@ -40,27 +41,30 @@ def zigzag(parts: Sequence[Region], setting: Milling, angle: float = 0.0) -> Mil
         GougeError: If a way would come nearer to a part than the cutter's radius.
         ValueError: If there are no parts.
     """
+    return zigzag_within([ContourSides(part) for part in parts], setting, angle)
+
+
+def zigzag_within(parts: Sequence[Sides], setting: Milling, angle: float = 0.0) -> Milled:
+    """Clear what lies within sides to and fro, then along them: see `zigzag`."""
     if not parts:
         raise ValueError("parts: want at least one")
     mill = Mill(setting)
-    distance = setting.reach
-    for part in parts:
-        mill.wall = Wall.of(part.contours, distance)
-        rooms = Offsets(part).at(-distance)
+    for sides in parts:
+        mill.wall = sides.wall(setting)
+        distance = sides.reach(setting)
+        rooms = sides.offsets.at(-distance)
         if not rooms:
-            x, y = (part.outer.vertices.mean(axis=0) * 1e3).tolist()
-            mill.notes.add(f"the pocket at ({x:.6g}, {y:.6g}) mm is too narrow for the cutter")
+            tell_narrow(sides, mill.notes)
             continue
-        runs = [run for room in rooms for run in lines_within(room, setting.over, angle, mill.wall)]
-        walls = [
-            with_leads(way, mill.wall, setting.lead, mill.notes)
-            for way in wall_ways(rooms, setting)
-        ]
-        tracks = [track.path for run in (*runs, *walls) for track in run.tracks]
-        mill.wall.require_clear(tracks)
+        wall = Wall.of(sides.part.contours, distance)
+        step = min(setting.over, setting.cutter.diameter - 2.0 * sides.spare)
+        runs = [run for room in rooms for run in lines_within(room, step, angle, wall)]
+        ways = along_walls(sides, setting, mill.notes)
+        sides.require_clear([*(track for run in runs for track in run.tracks), *ways], setting)
+        walls = [with_leads(way, mill.wall, setting.lead, mill.notes) for way in ways]
         mill.cut((*runs, *walls), setting.levels)
         if setting.finish:
-            finish(mill, part)
+            finish(mill, sides)
     return mill.milled()
 
 
