@@ -83,9 +83,7 @@ def run(args: argparse.Namespace) -> int:
     """Print the script."""
     from argcomplete.shell_integration import shellcode
 
-    script = shellcode(  # type: ignore[no-untyped-call]
-        ["splinearm"], use_defaults=False, shell=args.shell
-    )
+    script = shellcode(["splinearm"], use_defaults=False, shell=args.shell)
     print(script)
     return 0
 
@@ -109,7 +107,7 @@ def answer_shell(
     from argcomplete.completers import SuppressCompleter
 
     furnish(parser)
-    nothing = SuppressCompleter()  # type: ignore[no-untyped-call]
+    nothing = SuppressCompleter()
     argcomplete.autocomplete(
         parser,
         always_complete_options=False,
