@@ -51,7 +51,7 @@ def test_an_example_runs_on_mujoco(file):
 
 
 @pytest.mark.bus
-@pytest.mark.parametrize("name", ["heart", "inspect"])
+@pytest.mark.parametrize("name", ["heart", pytest.param("inspect", marks=pytest.mark.slow)])
 def test_an_example_runs_on_virtual_servos_at_100_hz(name):
     (file,) = (file for file in EXAMPLES if file.stem == name)
     result, said = carry_out(file, "virtual")

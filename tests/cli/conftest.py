@@ -171,11 +171,13 @@ class Terminal:
         self._changed = threading.Condition()
         self._ends = False
         self.raw = b""
+        # what says how wide this terminal is would be believed of the new one
+        here = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "LINES")}
         # a session's leader gets the first terminal that it opens as its own: then it gets Ctrl-C
         opened = 'exec "$@" <>"$0" >&0 2>&1'
         self.process = subprocess.Popen(
             ["/bin/sh", "-c", opened, os.ttyname(slave), *command],
-            env={**os.environ, "TERM": "xterm-256color", **env},
+            env={**here, "TERM": "xterm-256color", **env},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,

@@ -131,7 +131,9 @@ def test_a_scan_that_finds_nothing_says_what_to_try(cli):
 
 
 @pytest.mark.sim
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]
+)
 def test_an_interrupted_run_stops_along_its_path_and_says_so(cli, number):
     run = _start("run", cli.job(), "--on", "mujoco", "--realtime", "--csv", "rows.csv")
     deadline = time.monotonic() + 30.0

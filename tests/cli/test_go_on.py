@@ -71,6 +71,7 @@ def test_a_person_is_asked_whether_a_stopped_motion_goes_on(cli, answer, code):
     assert ("outcome: finished" in terminal.text) is (code == DONE)
 
 
+@pytest.mark.slow
 @pytest.mark.bus
 def test_an_arm_that_a_fault_has_stopped_is_taken_up_again_when_a_person_says_so(cli):
     cell = load_cell("planar_2r")

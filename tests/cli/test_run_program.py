@@ -35,6 +35,7 @@ def test_the_engraving_is_carried_out_on_the_simulated_arm(cli, tmp_path):
     assert tracking["path_measured_mm"]["worst"] < 0.5
 
 
+@pytest.mark.slow
 @pytest.mark.sim
 def test_a_planar_arm_draws_on_the_virtual_bus(cli, program, tmp_path):
     rows = tmp_path / "rows.csv"

@@ -91,7 +91,9 @@ def torques(bus) -> list[bool]:
     return [bool(servo.torque_on) for servo in bus.all_servos]
 
 
-@pytest.mark.parametrize("cause", ["overload", "electrical shock"])
+@pytest.mark.parametrize(
+    "cause", ["overload", pytest.param("electrical shock", marks=pytest.mark.slow)]
+)
 def test_a_servo_that_stops_itself_is_recovered_and_the_motion_goes_on(cell, bus, arm, cause):
     course = Course(cell, arm)
 
