@@ -20,14 +20,21 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "check"))
 DOCS = Path(__file__).parents[1] / "docs"
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Let files of the first and the second half take turns.
+_FIRST = (("kinematics", "curves", "trajectories"), ("toolpaths", "sim", "drivers", "control"))
+"""Rooms whose tests compile most, in two groups that have few kernels in common."""
 
-    Neighbours are of one room and compile the same kernels: two workers would both do that.
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Let files of the two groups take turns, and those that use all rooms come last.
+
+    Neighbours of one room compile the same kernels: workers beside each other would all do that.
     """
-    files = list(dict.fromkeys(item.path for item in items))
-    half = (len(files) + 1) // 2
-    turns = {file: (i % half, i // half) for i, file in enumerate(files)}
+    turns: dict[Path, tuple[int, int]] = {}
+    counts = [0] * (len(_FIRST) + 1)
+    for file in dict.fromkeys(item.path for item in items):
+        group = next((k for k, rooms in enumerate(_FIRST) if file.parent.name in rooms), 2)
+        turns[file] = (counts[group] if group < len(_FIRST) else len(items), group)
+        counts[group] += 1
     items.sort(key=lambda item: turns[item.path])
 
 
