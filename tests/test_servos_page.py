@@ -4,7 +4,6 @@ import pytest
 
 
 @pytest.mark.bus
-@pytest.mark.kernel
 def test_the_python_of_the_page_runs(run_page, capsys):
     assert run_page("servos.md") == 6
     said = capsys.readouterr().out

@@ -8,7 +8,6 @@ DOCS = Path(__file__).parents[1] / "docs"
 
 
 @pytest.mark.bus
-@pytest.mark.kernel
 def test_the_python_of_the_page_runs(run_page, capsys):
     assert run_page("tools.md") == 2
     said = capsys.readouterr().out
