@@ -17,8 +17,6 @@ from splinearm.sim.line_fault import LineFault
 from splinearm.sim.virtual_bus import VirtualBus
 from splinearm.units import DEG
 
-pytestmark = pytest.mark.kernel
-
 
 @pytest.fixture(scope="module")
 def cell():

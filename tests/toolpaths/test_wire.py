@@ -15,8 +15,6 @@ from splinearm.toolpaths.piece import ArcPiece, LinePiece, SplinePiece
 from splinearm.toolpaths.shape import ellipse_piece
 from splinearm.toolpaths.wire import Wire
 
-pytestmark = pytest.mark.kernel
-
 
 def ellipse(a=0.03, b=0.01, centre=(0.2, -0.1), turn=2.0 * pi):
     return Wire(
