@@ -236,7 +236,7 @@ def open_curves() -> None:
         u = np.linspace(0.0, 1.0, 4001)
         d = share / float(curvature(curve, u).max())
         size = float(np.ptp(curve.points, axis=0).max())
-        for tolerance in (1e-3, 1e-4, 1e-5):
+        for tolerance in (1e-3, 1e-4, 1e-5, 1e-6):
             tol = tolerance * size
             ours = sum(len(found.points) for found in offset_spline(curve, d, tol))
             (time,) = shortest(
