@@ -68,6 +68,7 @@ def open_arm(
     realtime: bool = False,
     rate: float = 100.0,
     feedforward: str | None = None,
+    silence: float | None = None,
 ) -> Iterator[Station]:
     """Open the arm of a cell somewhere; leaving holds it.
 
@@ -81,6 +82,8 @@ def open_arm(
         rate: Setpoints a second that servos will get, Hz, for their feed-forward.
         feedforward: By what their goals are ahead of the setpoints: "off", "velocity" or "full";
             None: as the arm's file says.
+        silence: After how long without a word servos stop by themselves, s; None: 0.04 if this
+            computer permits real-time priority, else 0.1, and at least three setpoints' time.
 
     Raises:
         ConfigError: If the cell has no servos and is to move some, or its calibration is broken or
@@ -92,17 +95,17 @@ def open_arm(
         with _open_mujoco(cell, q_start, realtime=realtime) as station:
             yield station
         return
-    ahead = _Ahead(feedforward or cell.feedforward, rate)
+    stream = _Stream(feedforward or cell.feedforward, rate, silence)
     if where == "virtual":
         virtual = replace(cell, chain=centred(require_chain(cell)))
         with (
             virtual_bus_process(cell, q_start) as port,
-            _open_servos(virtual, port, ahead, _VIRTUAL_MARGIN) as arm,
+            _open_servos(virtual, port, stream, _VIRTUAL_MARGIN) as arm,
         ):
             yield replace(arm, where=f"virtual servos on {port}")
     else:
         own, words = _as_calibrated(cell)
-        with _open_servos(own, where, ahead) as station:
+        with _open_servos(own, where, stream) as station:
             yield replace(station, where=station.where + words)
 
 
@@ -114,18 +117,22 @@ def _as_calibrated(cell: Cell) -> tuple[Cell, str]:
     return own, "" if own is cell else f", as calibrated ({DEFAULT!r})"
 
 
-class _Ahead(NamedTuple):
-    """By what goals are ahead of their setpoints, and how often they come."""
+class _Stream(NamedTuple):
+    """How goals come to servos: by what they are ahead, how often, and how long a gap may be."""
 
-    kind: str
+    feedforward: str
     rate: float
+    gap: float | None
 
     @property
     def silence(self) -> float:
         """After how long without a word the servos shall stop by themselves, s.
 
-        As soon as they can, if this computer can be relied on to be on time.
+        If nothing else is wanted as soon as they can, if this computer can be relied on to be on
+        time.
         """
+        if self.gap is not None:
+            return self.gap
         with real_time() as footing:
             shortest = _SILENCE if footing.fifo else _LONG_SILENCE
         return min(max(shortest, 3.0 / self.rate), _LONGEST_SILENCE)
@@ -144,7 +151,7 @@ def _open_mujoco(cell: Cell, q_start: FloatArray | None, *, realtime: bool) -> I
 
 @contextmanager
 def _open_servos(
-    cell: Cell, port: str, ahead: _Ahead, margin: float = _USB_MARGIN
+    cell: Cell, port: str, stream: _Stream, margin: float = _USB_MARGIN
 ) -> Iterator[Station]:
     from splinearm.drivers.dialect import protocols_of
     from splinearm.drivers.dynamixel import DynamixelBus
@@ -154,8 +161,8 @@ def _open_servos(
     chain, names = require_chain(cell), cell.arm.joint_names
     bus = DynamixelBus(port, chain.baud, margin=margin, protocols=protocols_of(chain))
     try:
-        feedforward = _feedforward(cell, chain, ahead, bus)
-        limits, silence = cell.arm.limits, ahead.silence
+        feedforward = _feedforward(cell, chain, stream, bus)
+        limits, silence = cell.arm.limits, stream.silence
         arm = ServoArm(chain, names, limits, bus, watchdog=silence, feedforward=feedforward)
     except BaseException:
         bus.close()
@@ -171,18 +178,18 @@ def _open_servos(
 
 
 def _feedforward(
-    cell: Cell, chain: ServoChain, ahead: _Ahead, bus: "ServoBus"
+    cell: Cell, chain: ServoChain, stream: _Stream, bus: "ServoBus"
 ) -> "ServoFeedforward | None":
     """Give by what the servos' goals are ahead: with the weight, if all masses are known."""
     from splinearm.drivers.feedforward import ServoFeedforward, cycle_latency
     from splinearm.kinematics.dynamics import Dynamics
 
-    if ahead.kind == "off":
+    if stream.feedforward == "off":
         return None
     torque = None
-    if ahead.kind == "full" and all(link.inertia is not None for link in cell.arm.links):
+    if stream.feedforward == "full" and all(link.inertia is not None for link in cell.arm.links):
         torque = Dynamics(cell.arm).inverse
-    latency = cycle_latency(1.0 / ahead.rate, cell.arm.n, chain.baud)
+    latency = cycle_latency(1.0 / stream.rate, cell.arm.n, chain.baud)
     return ServoFeedforward.of(chain, cell.arm.joint_names, torque, bus=bus, latency=latency)
 
 
