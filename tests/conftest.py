@@ -3,14 +3,30 @@
 import json
 import os
 import re
+import shutil
+import signal
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import settings
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.dispatcher import Dispatcher
+
+from splinearm.backends import Station
+from splinearm.drivers.base import ArmDriver
+from splinearm.joints import JointSetpoint
+
+try:
+    import fcntl
+except ImportError:  # no files that lock there: workers compile what others compile too
+    fcntl = None  # type: ignore[assignment]
 
 # the same examples in every run, so that a change is judged by itself; HYPOTHESIS_PROFILE=default
 # draws new ones
@@ -38,6 +54,32 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: turns[item.path])
 
 
+_compile = Dispatcher.compile
+_at_it = set[str]()
+"""Kernels that this worker compiles, with those that they call."""
+
+
+def _compile_once(kernel: Any, signature: Any) -> Any:
+    """Compile a kernel, or wait for the worker that is at it and take what that left on disk."""
+    name = f"{kernel.py_func.__module__}.{kernel.py_func.__qualname__}"
+    if name in _at_it:
+        return _compile(kernel, signature)
+    with global_compiler_lock, (Path(tempfile.gettempdir()) / f"{name}.lock").open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        _at_it.add(name)
+        tracer = sys.gettrace()
+        sys.settrace(None)  # to measure the coverage of the compiler would take a third longer
+        try:
+            return _compile(kernel, signature)
+        finally:
+            sys.settrace(tracer)
+            _at_it.discard(name)
+
+
+if fcntl is not None:
+    Dispatcher.compile = _compile_once
+
+
 @pytest.fixture(scope="session", autouse=True)
 def user_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """The folder of a user's own files, empty at first: here and in what is started from here."""
@@ -45,6 +87,28 @@ def user_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SPLINEARM_HOME", str(folder))
         yield folder
+
+
+class _Interrupted:
+    """An arm that lets Ctrl-C be pressed at a setpoint."""
+
+    def __init__(self, driver: ArmDriver, at: int) -> None:
+        self.driver, self.at = driver, at
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self.driver, name)
+
+    def write(self, setpoint: JointSetpoint) -> None:
+        self.driver.write(setpoint)
+        self.at -= 1
+        if self.at == 0:
+            os.kill(os.getpid(), signal.SIGINT)
+
+
+@pytest.fixture(scope="session")
+def interrupted() -> Callable[[Station, int], Station]:
+    """Gives a station as one where Ctrl-C is pressed at the n-th setpoint."""
+    return lambda station, at: replace(station, driver=_Interrupted(station.driver, at))
 
 
 @pytest.fixture
@@ -101,3 +165,31 @@ def compiled_as_plain() -> Callable[..., None]:
             np.testing.assert_allclose(one, other, rtol=rtol, atol=atol * scale)
 
     return check
+
+
+@pytest.fixture(scope="session")
+def rs274(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Callable[..., "subprocess.CompletedProcess[str]"]:
+    """Lets LinuxCNC's interpreter read a program to its end; skips where it is not installed."""
+    if shutil.which("rs274") is None:
+        pytest.skip("LinuxCNC's rs274 (linuxcnc-uspace) is not installed")
+    # the table of tools goes through a file in the home folder, which every start makes anew: one
+    # that still reads it is then ended by a bus error, so each worker has a home of its own
+    home = tmp_path_factory.mktemp("rs274")
+
+    def read(
+        file: Path, tools: str = "T1 P1 D0.25 Z0\n", *, ends: bool = True
+    ) -> "subprocess.CompletedProcess[str]":
+        (home / "tool.tbl").write_text(tools)
+        done = subprocess.run(
+            ["rs274", "-t", home / "tool.tbl", "-g", file],
+            capture_output=True, text=True, check=False, timeout=60, errors="replace",
+            stdin=subprocess.DEVNULL, cwd=file.parent, env={**os.environ, "HOME": str(home)},
+        )  # fmt: skip
+        said = f"{done.stdout[-400:]}\n{done.stderr[-400:]}"
+        assert done.returncode >= 0, f"rs274 was ended by signal {-done.returncode}: {said}"
+        assert "PROGRAM_END" in done.stdout or not ends, f"rs274 refuses it: {said}"
+        return done
+
+    return read

@@ -1,7 +1,6 @@
 """NC programs from their file to the end of their motion."""
 
 import runpy
-import signal
 from pathlib import Path
 
 import numpy as np
@@ -84,17 +83,13 @@ def test_parts_run_one_after_the_other_and_what_is_switched_is_said(planned):
 
 
 @pytest.mark.sim
-def test_a_program_that_was_stopped_goes_on_and_says_all_once(planned):
+def test_a_program_that_was_stopped_goes_on_and_says_all_once(planned, interrupted):
     said, person = [], Willing()
-    interrupt = iter([True])
-
-    def observe(part, cycle):
-        if cycle.setpoint.t > 0.1 and next(interrupt, False):
-            signal.raise_signal(signal.SIGINT)
-
-    with open_arm(CELL, "mujoco", realtime=True) as station:
-        results = carry_out_program(planned, station, person, announce=said.append, observe=observe)
-    assert len(person.stopped) == 1
+    with open_arm(CELL, "mujoco", q_start=planned.jobs[0].plan.trajectory.q_start) as station:
+        one = interrupted(station, 20)
+        results = carry_out_program(planned, one, person, announce=said.append)
+    (stopped,) = person.stopped
+    assert stopped > 0.1
     assert [result.outcome for result in results] == [Outcome.FINISHED] * 2
     assert sum(words.startswith("line") for words in said) == 5
 

@@ -1,8 +1,6 @@
 """Jobs from their plan to their report: the runner with the loop, on MuJoCo and virtual servos."""
 
 import json
-import os
-import signal
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -31,28 +29,8 @@ def station(planned):
         yield opened
 
 
-class Interrupted:
-    """A station whose arm lets Ctrl-C be pressed at a setpoint."""
-
-    def __init__(self, driver, at):
-        self.driver, self.at = driver, at
-
-    def __getattr__(self, name):
-        return getattr(self.driver, name)
-
-    def write(self, setpoint):
-        self.driver.write(setpoint)
-        self.at -= 1
-        if self.at == 0:
-            os.kill(os.getpid(), signal.SIGINT)
-
-
-def interrupted(station, at):
-    return replace(station, driver=Interrupted(station.driver, at))
-
-
 @pytest.mark.sim
-def test_a_job_that_was_stopped_goes_on_from_there_to_its_end(planned, station):
+def test_a_job_that_was_stopped_goes_on_from_there_to_its_end(planned, station, interrupted):
     said: list[str] = []
     first = carry_out_job(planned, interrupted(station, 220), announce=said.append)
     assert first.outcome is Outcome.STOPPED
@@ -65,7 +43,7 @@ def test_a_job_that_was_stopped_goes_on_from_there_to_its_end(planned, station):
 
 
 @pytest.mark.sim
-def test_the_rest_of_a_job_stays_on_its_path(planned, station):
+def test_the_rest_of_a_job_stays_on_its_path(planned, station, interrupted):
     first = carry_out_job(planned, interrupted(station, 260))
     second = resume(first, station)
     assert second.ending.reason is ExitReason.SUCCESSFUL
@@ -77,7 +55,7 @@ def test_the_rest_of_a_job_stays_on_its_path(planned, station):
 
 
 @pytest.mark.sim
-def test_a_stop_on_the_way_to_the_start_leaves_the_whole_motion(planned, station):
+def test_a_stop_on_the_way_to_the_start_leaves_the_whole_motion(planned, station, interrupted):
     first = carry_out_job(planned, interrupted(station, 20))
     assert first.outcome is Outcome.STOPPED
     assert first.recorder.cycles == []
