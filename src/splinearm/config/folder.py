@@ -1,5 +1,6 @@
 """Where a user's own files lie: calibrations, backups. No update of the program touches it."""
 
+import json
 import os
 import sys
 from contextlib import suppress
@@ -78,9 +79,13 @@ def write_whole(file: Path, text: str) -> None:
         with suppress(OSError):
             draft.unlink()
         reason = error.strerror or str(error)
-        raise ConfigError(
-            file, "", f"cannot be written ({reason}); make room, or set {HOME} to another folder"
-        ) from error
+        remedy = f"make room, or choose another folder (of your own files: {HOME})"
+        raise ConfigError(file, "", f"cannot be written ({reason}); {remedy}") from error
+
+
+def quoted(text: str) -> str:
+    """Give a text as a basic string of TOML: that of JSON, where DEL must be escaped too."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _sync_folder(folder: Path) -> None:
