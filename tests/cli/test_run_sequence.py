@@ -60,6 +60,16 @@ def test_every_piece_and_all_of_them_are_reported(cli):
 
 
 @pytest.mark.sim
+def test_names_with_brackets_are_shown_as_they_are(cli):
+    name = "to the [left] [/] [1]"
+    text = (HEAD + WAVE).replace('"Many pieces"', f'"{name}"').replace('"wave"', f'"{name}"')
+    job = cli.write("job.toml", text.replace("2.0", "0.3"))
+    for command in ("plan", "run"):
+        assert cli(command, job) == DONE
+        assert cli.out.count(name) >= 2
+
+
+@pytest.mark.sim
 def test_every_cycle_of_all_pieces_is_sent_to_who_listens(cli):
     job = cli.write("job.toml", HEAD + WAVE.replace("2.0", "0.3") + WAVE.replace("2.0", "0.3"))
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener:
@@ -80,7 +90,7 @@ def test_every_cycle_of_all_pieces_is_sent_to_who_listens(cli):
 @pytest.mark.sim
 def test_a_person_stops_a_job_of_pieces_and_lets_it_go_on(cli, terminal):
     job = cli.write("job.toml", HEAD + WAVE.replace("2.0", "1.0") + GRIP)
-    person = terminal("run", job, "--on", "mujoco", "--realtime", "--json", "r.json")
+    person = terminal("run", job, "--on", "mujoco", "--realtime", "--rate", 20, "--json", "r.json")
     person.wait_for("motion of 1.00 s begins")
     time.sleep(0.3)
     person.press("ctrl-c")
@@ -136,6 +146,7 @@ def test_what_a_gripper_holds_it_goes_on_holding_when_the_program_is_ended(cli, 
         ('[[piece]]\ngripper = "opne"\n', [], "piece[0].gripper"),
         ('[[piece]]\nmotion = "no.json"\n', [], "piece[0].motion"),
         (WAVE, ["--csv", "job.toml"], "is there already"),
+        (WAVE, ["--csv", "rows", "--json", "./rows"], "cannot hold both"),
     ],
 )
 def test_bad_input_is_one_line_and_nothing_moves(cli, text, words, says):

@@ -23,15 +23,14 @@ def add_udp(parser: argparse.ArgumentParser) -> None:
 
 
 @contextmanager
-def watching(where: str | None, cell: "Cell", show: "Watch | None" = None) -> "Iterator[Watch]":
-    """Give what gets every cycle: ``show``, and whoever listens at a HOST:PORT.
+def watching(where: str | None, cell: "Cell") -> "Iterator[Watch]":
+    """Give what gets every cycle: whoever listens at a HOST:PORT; nobody without one.
 
     Raises:
         ConfigError: If there is no such address.
     """
-    shown: Watch = show if show is not None else _ignore
     if where is None:
-        yield shown
+        yield _ignore
         return
     from splinearm.monitoring.motion import MotionDatagrams
 
@@ -39,17 +38,13 @@ def watching(where: str | None, cell: "Cell", show: "Watch | None" = None) -> "I
 
     send = MotionDatagrams(where, cell.arm.joint_names, cell.arm.limits.kinds)
 
-    def both(cycle: "Cycle") -> None:
-        shown(cycle)
-        send(cycle)
-
     try:
-        yield both
+        yield send
     finally:
         send.close()
         if send.unsent:
-            console.print(f"{send.unsent} datagrams could not be sent to {where}", markup=False)
+            console.print(f"{send.unsent} datagrams could not be sent to {where}")
 
 
 def _ignore(_: object) -> None:
-    """Show nothing."""
+    """Send nothing."""

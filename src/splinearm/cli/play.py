@@ -71,16 +71,14 @@ def run(args: argparse.Namespace) -> int:
     from splinearm.sequence import plan_sequence
 
     from . import run_sequence
-    from .files import require_new
-    from .run import Files
+    from .run import Files, exit_code
 
-    require_new(rows=args.csv)
-    require_new(rows=args.json)
+    files = Files(csv=args.csv, json=args.json)
+    files.require_new()
     job = _job(args)
     planned = plan_sequence(job, load_cell(job.arm))
-    files = Files(csv=args.csv, json=args.json)
     result = run_sequence.carry_out(planned, args.on, files, realtime=args.realtime)
-    code = run_sequence.exit_code(result)
+    code = exit_code(result)
     return 0 if args.loop else code
 
 

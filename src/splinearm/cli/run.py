@@ -5,22 +5,17 @@ import json
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING
 
 from . import run_program
 from .motion_words import add_udp
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
+    from splinearm.backends import Station
     from splinearm.config import Cell, Job
     from splinearm.control.cycle import Cycle
-    from splinearm.drivers.base import ArmDriver
     from splinearm.runner import PlannedJob, RunResult
-
-_REDRAWN = 0.25
-"""Time of the motion between two pictures of its progress, s."""
+    from splinearm.sequence import SequenceResult
 
 _CODES = """exit codes, and error_code of the report as control_msgs/FollowJointTrajectory has it:
     0  SUCCESSFUL (0)                 the arm arrived within its goal tolerance
@@ -42,6 +37,27 @@ class Files:
     """The report."""
     udp: str | None = None
     """HOST:PORT where every cycle is sent."""
+
+    def require_new(self, picture: Path | None = None) -> None:
+        """Refuse what could not be written in the end, before anything moves.
+
+        Args:
+            picture: Where the run is drawn.
+
+        Raises:
+            ConfigError: With a file that is there already, or is to hold two things.
+        """
+        from splinearm.errors import ConfigError
+
+        from .files import require_new
+
+        named = [file for file in (self.csv, self.mcap, self.json, picture) if file is not None]
+        for file in named:
+            if named.count(file) > 1:
+                raise ConfigError(file, "", "cannot hold both; name two files")
+        require_new(rows=self.csv, picture=picture)
+        require_new(rows=self.mcap)
+        require_new(rows=self.json)
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -100,33 +116,27 @@ def run(args: argparse.Namespace) -> int:
     from splinearm.runner import plan_job
     from splinearm.sequence import is_sequence
 
-    from .files import require_new
-
     if run_program.is_program(args.job):
         return run_program.run(args)
-    require_new(rows=args.csv, picture=args.plot)
-    require_new(rows=args.mcap)
-    require_new(rows=args.json)
+    files = Files(csv=args.csv, mcap=args.mcap, json=args.json, udp=args.udp)
+    files.require_new(picture=args.plot)
     if Path(args.job).suffix.lower() == ".toml":
         job = read_job(args)
         cell = load_cell(job.arm)
         if job.program is not None:
             return run_program.run_job(job, cell, args)
         if is_sequence(job):
-            return _run_sequence(job, cell, args)
+            return _run_sequence(job, cell, args, files)
         planned = plan_job(job, cell)
     else:
         planned = saved_motion(args)
-    files = Files(csv=args.csv, mcap=args.mcap, json=args.json, udp=args.udp)
     result = carry_out(planned, args.on, files, realtime=args.realtime)
     if args.plot is not None and result.recorder.cycles:
         draw(result, args.plot)
-    if result.ending.fault is not None:
-        raise result.ending.fault
     return exit_code(result)
 
 
-def _run_sequence(job: "Job", cell: "Cell", args: argparse.Namespace) -> int:
+def _run_sequence(job: "Job", cell: "Cell", args: argparse.Namespace, files: Files) -> int:
     """Carry out a job of more than one motion."""
     from splinearm.errors import ConfigError
 
@@ -134,7 +144,6 @@ def _run_sequence(job: "Job", cell: "Cell", args: argparse.Namespace) -> int:
 
     if args.plot is not None:
         raise ConfigError("--plot", "", "draws one motion, and this job is more; leave it out")
-    files = Files(csv=args.csv, mcap=args.mcap, json=args.json, udp=args.udp)
     return run_job(job, cell, args.on, files, realtime=args.realtime)
 
 
@@ -171,6 +180,7 @@ def carry_out(
     from splinearm.backends import open_arm
     from splinearm.runner import carry_out_job, resume
 
+    from .motion_bar import MotionBar
     from .motion_words import watching
     from .output import console
 
@@ -181,25 +191,29 @@ def carry_out(
             cell, where, realtime=realtime, rate=job.rate, feedforward=job.feedforward
         ) as station,
     ):
-        duration = planned.plan.trajectory.duration
-        console.print(f"{job.title} on {cell.arm.name}, {station.where}: {duration:.2f} s")
-        with _Bar(duration, send) as bar:
+        left = planned.plan.trajectory.duration
+        console.print(f"{job.title} on {cell.arm.name}, {station.where}: {left:.2f} s")
+
+        def show(cycle: "Cycle") -> None:
+            bar.show(planned, "moving", left, cycle)
+
+        with MotionBar(send) as bar:
             result = carry_out_job(
                 planned,
                 station,
                 csv=files.csv,
                 mcap=files.mcap,
-                observe=bar.show,
+                observe=show,
                 announce=console.print,
             )
         _report(result, files)
         while shall_go_on(result):
-            if not _is_taken_up(result, station.driver):
+            if not is_taken_up(result, station):
                 continue
             rest = result.ending.stopped
             left = 0.0 if rest is None else rest.trajectory.duration - rest.t
-            with _Bar(left, send) as bar:
-                result = resume(result, station, observe=bar.show, announce=console.print)
+            with MotionBar(send) as bar:
+                result = resume(result, station, observe=show, announce=console.print)
             _report(result, Files(json=files.json))
     return result
 
@@ -213,9 +227,13 @@ def _report(result: "RunResult", files: Files) -> None:
         files.json.write_text(json.dumps(result.document(), indent=2) + "\n", encoding="utf-8")
 
 
-def shall_go_on(result: "RunResult") -> bool:
-    """Ask a person, if there is one, whether a stopped motion shall go on."""
-    if result.ending.stopped is None or not (sys.stdin.isatty() and sys.stdout.isatty()):
+def shall_go_on(result: "RunResult | SequenceResult") -> bool:
+    """Ask a person, if there is one, whether what was stopped shall go on."""
+    from splinearm.control.ending import Outcome
+
+    # of a stream that was closed from the begin there is nothing
+    is_person = sys.stdin is not None and sys.stdin.isatty() and sys.stdout.isatty()
+    if result.outcome is Outcome.FINISHED or not is_person:
         return False
     if result.ending.fault is not None:
         print(f"splinearm: {result.ending.fault}")
@@ -226,60 +244,25 @@ def shall_go_on(result: "RunResult") -> bool:
     return answer.strip().lower() in ("y", "yes")
 
 
-def _is_taken_up(result: "RunResult", driver: "ArmDriver") -> bool:
-    """Take the arm up again after what stopped it; if that cannot be done yet, say why."""
+def is_taken_up(result: "RunResult | SequenceResult", station: "Station") -> bool:
+    """Take up the arm and its gripper again; if that cannot be done yet, say why."""
     from splinearm.control.comeback import take_up
     from splinearm.errors import BusError
 
+    gripper, fault = station.gripper, result.ending.fault
     try:
-        take_up(driver, result.ending.fault)
+        take_up(station.driver, fault)
+        if gripper is not None and gripper.ready and fault is not None:
+            for mended in gripper.recover():
+                print(f"recovered: {mended}")
     except BusError as error:
         print(f"splinearm: {error}")
         return False
     return True
 
 
-class _Bar:
-    """A progress bar that is drawn only when it is told of a cycle: no thread of its own."""
-
-    def __init__(self, duration: float, send: "Callable[[Cycle], object]") -> None:
-        from .output import progress
-
-        self._send = send
-
-        self._duration = duration
-        self._bar = progress()
-        self._bar.live.auto_refresh = False
-        self._task = self._bar.add_task("moving", total=duration)
-        self._shown = 0.0
-
-    def __enter__(self) -> Self:
-        self._bar.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        if error is None:
-            self._bar.update(self._task, completed=self._duration)
-        self._bar.refresh()
-        self._bar.stop()
-
-    def show(self, cycle: "Cycle") -> None:
-        """Be as far as a cycle, and pass it on."""
-        self._send(cycle)
-        if cycle.t - self._shown < _REDRAWN:
-            return
-        self._shown = cycle.t
-        self._bar.update(self._task, completed=min(cycle.t, self._duration))
-        self._bar.refresh()
-
-
 def draw(result: "RunResult", file: Path) -> None:
-    """Draw a run into a PNG and say so."""
+    """Draw a run and say where; the ending of the file says of which kind the picture is."""
     from splinearm.viewer.plot import plot_run
 
     from .output import console
@@ -288,8 +271,10 @@ def draw(result: "RunResult", file: Path) -> None:
     console.print(f"picture: {file}")
 
 
-def exit_code(result: "RunResult") -> int:
-    """Give 0 for a finished motion, 130 for one that was stopped by a person."""
-    from splinearm.control.follow import Outcome
+def exit_code(result: "RunResult | SequenceResult") -> int:
+    """Give 0 for what was finished, 130 for what a person stopped; raise what failed."""
+    from splinearm.control.ending import Outcome
 
+    if result.ending.fault is not None:
+        raise result.ending.fault
     return 0 if result.outcome is Outcome.FINISHED else 130

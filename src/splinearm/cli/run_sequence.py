@@ -1,29 +1,23 @@
 """``splinearm run JOB`` for jobs of pieces, with a gripper, or in a loop."""
 
 import json
-import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from splinearm.backends import Station
     from splinearm.config import Cell, Job
     from splinearm.control.cycle import Cycle
     from splinearm.sequence import PlannedSequence, SequenceResult, Step, StepRun
 
     from .run import Files
 
-_SHOWN = 0.25
-"""Time of a motion between two pictures of its progress, s."""
-
 
 def run_job(job: "Job", cell: "Cell", where: str, files: "Files", *, realtime: bool = False) -> int:
     """Plan, move, report; give the exit code."""
     from splinearm.sequence import plan_sequence
 
-    result = carry_out(plan_sequence(job, cell), where, files, realtime=realtime)
-    return exit_code(result)
+    from .run import exit_code
+
+    return exit_code(carry_out(plan_sequence(job, cell), where, files, realtime=realtime))
 
 
 def carry_out(
@@ -33,9 +27,10 @@ def carry_out(
     from splinearm.backends import open_arm
     from splinearm.sequence import carry_out_sequence, resume_sequence
 
+    from .motion_bar import MotionBar
     from .motion_words import watching
     from .output import console
-    from .run import Files
+    from .run import Files, is_taken_up, shall_go_on
 
     job, cell = planned.job, planned.cell
     with (
@@ -45,35 +40,30 @@ def carry_out(
         ) as station,
     ):
         console.print(f"{job.title} on {cell.arm.name}, {station.where}: {_plan_words(planned)}")
-        with _Bar(send) as bar:
+
+        def show(step: "Step", cycle: "Cycle") -> None:
+            bar.show(step, step.name, step.duration, cycle)
+
+        with MotionBar(send) as bar:
             result = carry_out_sequence(
                 planned,
                 station,
                 csv=files.csv,
                 mcap=files.mcap,
-                observe=bar.show,
+                observe=show,
                 announce=console.print,
             )
-        report(result, files)
-        while _shall_go_on(result):
-            if not _is_taken_up(result, station):
+        _report(result, files)
+        while shall_go_on(result):
+            if not is_taken_up(result, station):
                 continue
-            with _Bar(send) as bar:
-                result = resume_sequence(result, station, observe=bar.show, announce=console.print)
-            report(result, Files(json=files.json))
+            with MotionBar(send) as bar:
+                result = resume_sequence(result, station, observe=show, announce=console.print)
+            _report(result, Files(json=files.json))
     return result
 
 
-def exit_code(result: "SequenceResult") -> int:
-    """Give 0 for a finished sequence, 130 for one that a person stopped; raise what failed."""
-    from splinearm.control.ending import Outcome
-
-    if result.ending.fault is not None:
-        raise result.ending.fault
-    return 0 if result.outcome is Outcome.FINISHED else 130
-
-
-def report(result: "SequenceResult", files: "Files") -> None:
+def _report(result: "SequenceResult", files: "Files") -> None:
     """Print what came of each step of the last round and of all; for programs write it."""
     from splinearm.control.ending import Outcome
 
@@ -96,7 +86,7 @@ def report(result: "SequenceResult", files: "Files") -> None:
     if result.outcome is not Outcome.FINISHED:
         stopped = result.ending.stopped
         at = "" if stopped is None else f", {stopped.t:.3f} s of {stopped.trajectory.duration:.3f}"
-        console.print(f"rests in {result.step.name!r}{at}", markup=False)
+        console.print(f"rests in {result.step.name!r}{at}")
     if files.csv is not None and files.csv.exists():
         console.print(f"rows: {files.csv}")
     if files.json is not None:
@@ -135,72 +125,3 @@ def _row(run: "StepRun") -> tuple[str, ...]:
         str(loop.missed),
         said,
     )
-
-
-def _shall_go_on(result: "SequenceResult") -> bool:
-    """Ask a person, if there is one, whether a stopped sequence shall go on."""
-    from splinearm.control.ending import Outcome
-
-    is_person = sys.stdin.isatty() and sys.stdout.isatty()
-    if result.outcome is Outcome.FINISHED or not is_person:
-        return False
-    if result.ending.fault is not None:
-        print(f"splinearm: {result.ending.fault}")
-    try:
-        answer = input("go on from where it rests? [y/N] ")
-    except (EOFError, KeyboardInterrupt):
-        return False
-    return answer.strip().lower() in ("y", "yes")
-
-
-def _is_taken_up(result: "SequenceResult", station: "Station") -> bool:
-    """Take up the arm and its gripper again; if that cannot be done yet, say why."""
-    from splinearm.control.comeback import take_up
-    from splinearm.errors import BusError
-
-    gripper = station.gripper
-    try:
-        take_up(station.driver, result.ending.fault)
-        if gripper is not None and gripper.ready and result.ending.fault is not None:
-            for fault in gripper.recover():
-                print(f"recovered: {fault}")
-    except BusError as error:
-        print(f"splinearm: {error}")
-        return False
-    return True
-
-
-class _Bar:
-    """A progress bar of the motion that is under way, drawn only when it is told of a cycle."""
-
-    def __init__(self, send: "Callable[[Cycle], object]") -> None:
-        from .output import progress
-
-        self._send = send
-
-        self._bar = progress()
-        self._bar.live.auto_refresh = False
-        self._task = self._bar.add_task("moving", total=1.0)
-        self._step: Step | None = None
-        self._shown = 0.0
-
-    def __enter__(self) -> "_Bar":
-        self._bar.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.refresh()
-        self._bar.stop()
-
-    def show(self, step: "Step", cycle: "Cycle") -> None:
-        """Be as far as a cycle of a step, and pass it on."""
-        self._send(cycle)
-        t = cycle.setpoint.t
-        if step is not self._step:
-            self._step, self._shown = step, 0.0
-            self._bar.update(self._task, description=step.name, total=step.duration, completed=0.0)
-        if t - self._shown < _SHOWN:
-            return
-        self._shown = t
-        self._bar.update(self._task, completed=min(t, step.duration))
-        self._bar.refresh()
