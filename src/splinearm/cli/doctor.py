@@ -169,14 +169,9 @@ def _show_servos(diagnosis: "Diagnosis") -> None:
 
 
 def _show_findings(findings: "tuple[Finding, ...]") -> None:
-    from rich.markup import escape
-
     from .output import console, table
 
-    rows = [
-        (f.code, f.severity.value, escape(f.where), escape(f"{f.what}: {f.cause}"))
-        for f in findings
-    ]
+    rows = [(f.code, f.severity.value, f.where, f"{f.what}: {f.cause}") for f in findings]
     console.print(table(("code", "", "where", "what is wrong"), rows))
     console.print("what to do, in this order:")
     # commands are not wrapped, so that they can be copied; what helps many servos is said once

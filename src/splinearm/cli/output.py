@@ -10,8 +10,8 @@ from rich.table import Table
 _PIPED_WIDTH = 160
 """Columns of what goes to a file or another program, where nothing says how wide it is."""
 
-console = Console(width=None if sys.stdout.isatty() else _PIPED_WIDTH)
-"""Where commands print."""
+console = Console(width=None if sys.stdout.isatty() else _PIPED_WIDTH, markup=False)
+"""Where commands print. Names, titles and files are shown as they are, also those with brackets."""
 
 
 def table(columns: Sequence[str], rows: Sequence[Sequence[str]], title: str | None = None) -> Table:
@@ -37,7 +37,7 @@ def _is_number(text: str) -> bool:
 def progress() -> Progress:
     """Give a progress bar with the time left."""
     return Progress(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         TaskProgressColumn(),
         TimeRemainingColumn(),

@@ -24,7 +24,7 @@ _MANY = 3000
 def say(line: str) -> None:
     """Print a line as it is; on a terminal that is gone nobody reads it."""
     with suppress(OSError):
-        console.print(line, markup=False, highlight=False, soft_wrap=True)
+        console.print(line, highlight=False, soft_wrap=True)
 
 
 class Making:
