@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import select
 import sys
 import threading
 import time
@@ -121,30 +122,62 @@ def test_jogged_servos_brake_and_hold_when_their_terminal_goes(terminal):
         assert all(servo.torque_on for servo in bus.all_servos)
 
 
+class Person:
+    """Types into the terminal of this process, each text once the arm does what is awaited."""
+
+    def __init__(self, terminal, *steps) -> None:
+        self._terminal = terminal
+        self._thread = threading.Thread(target=self._run, args=steps)
+        self._thread.start()
+
+    def _run(self, *steps):
+        for awaited, text in steps:
+            seen = b""
+            while awaited not in seen[seen.rfind(b"\x1b[H") :]:
+                if not select.select([self._terminal], [], [], 20.0)[0]:
+                    return  # the command has ended, and what it ended with will tell
+                seen = seen[-4096:] + os.read(self._terminal, 4096)
+            os.write(self._terminal, text)
+
+    def end(self):
+        self._thread.join()
+
+
 @pytest.fixture
-def keys(monkeypatch):
-    """Gives this process a terminal, and types into it."""
+def person(monkeypatch):
+    """Gives this process a terminal, and a person at it."""
     master, slave = os.openpty()
     monkeypatch.setattr(sys, "stdin", os.fdopen(slave))
-    yield lambda text: os.write(master, text.encode())  # and nobody reads what it shows
+    typing = []
+    yield lambda *steps: typing.append(Person(master, *steps))
+    for each in typing:
+        each.end()
     sys.stdin.close()
     os.close(master)
 
 
+HOLDS, MOVES = b"the arm holds; ", b"the arm moves; "
+
+
 @pytest.mark.sim
-def test_keys_typed_ahead_do_what_they_say_and_the_arm_holds(keys, cli, monkeypatch):
+def test_keys_do_what_they_say_and_the_arm_holds(person, cli, monkeypatch):
     monkeypatch.setattr("splinearm.cli.jog._REDRAW", 0.01)
-    keys("w2\x1b[Cx+[m\x1b[C G")
-    threading.Timer(0.9, keys, ("w\t\x1b[Ar",)).start()
-    threading.Timer(1.5, keys, ("ww\t\x1b[A",)).start()
-    threading.Timer(1.7, keys, ("q",)).start()
+    person(
+        # the last line, though this terminal does not say how large it is
+        (b"q, esc, Ctrl-C  brake, hold and end", b"w2+\x1b[C"),  # the place; a step of joint 2
+        (MOVES, b"w"),  # refused
+        (HOLDS, b"wx[m\x1b[C G"),  # the place; as long as a key is held: it is braked
+        (HOLDS, b"\t\x1b[Ar"),  # the tool, along the base; along z it cannot go
+        (b"cannot move its tool along z", b"q"),
+    )
     assert cli("jog", "planar_2r", "--on", "mujoco", "--step-deg", 3) == 0
     assert "the arm holds at" in cli.out
-    assert cli.out.count("[[waypoint]]") >= 2
-    cell = load_cell("planar_2r")
-    first = re.search(r"joints_deg = \[(.*)\]", cli.out)[1]
-    held = np.array([float(word) for word in first.split(",")])
-    assert abs(held - np.degrees(cell.poses["home"])).max() < 60.0
+    here, there = (
+        np.array([float(word) for word in place.split(",")])
+        for place in re.findall(r"joints_deg = \[(.*)\]", cli.out)
+    )
+    np.testing.assert_allclose(here, np.degrees(load_cell("planar_2r").poses["home"]), atol=0.2)
+    np.testing.assert_allclose(there - here, [0.0, 3.0], atol=1e-3)
 
 
 @pytest.mark.sim

@@ -198,17 +198,23 @@ class Busy:
         return self.clock.wait_until(t)
 
 
-def test_a_busy_computer_lets_the_arm_brake(cell):
+@pytest.mark.parametrize(("pause", "what"), [(0.05, "brakes"), (0.5, "stands")])
+def test_a_busy_computer_lets_the_arm_brake_or_stay_where_it_came_to_rest(cell, pause, what):
     said = []
 
     def script(jogger, cycle):
         if cycle == 1:
             jogger.joints([0.5, 0.0, 0.0, 0.0, 0.0, 0.0], lasts=10.0)
+        elif cycle == 110:
+            jogger.joints([-0.5, 0.0, 0.0, 0.0, 0.0, 0.0], lasts=10.0)
 
-    _, states, _ = _jog(cell, script, cycles=150, busy=(50, 0.5), announce=said.append)
-    assert said == ["this computer was busy for 500 ms: the arm brakes"]
-    assert states[45].moving
+    _, states, _ = _jog(cell, script, cycles=150, busy=(50, pause), announce=said.append)
+    assert said == [f"this computer was busy for {pause * 1e3:.0f} ms: the arm {what}"]
+    q = np.array([state.setpoint.q[0] for state in states])
+    assert q[48] - q[47] == pytest.approx(0.5 * 0.01)
+    assert bool(q[49] == q[48]) == (what == "stands")
     assert not states[100].moving
+    assert q[-1] < q[100] - 1.0 * DEG  # and it goes on as is wished then
 
 
 @pytest.mark.bus

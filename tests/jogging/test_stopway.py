@@ -13,8 +13,6 @@ from splinearm.kinematics.arm import Arm
 from splinearm.kinematics.dh import DHConvention, DHLink
 from splinearm.units import DEG
 
-pytestmark = pytest.mark.kernel
-
 PERIOD = 0.01
 ARMS = ("wx250s", "rx150", "open_manipulator_x", "planar_2r")
 

@@ -24,6 +24,7 @@ STEPS_DEG = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0)
 _TAP = 0.12
 """How long a key counts that has not repeated yet, s."""
 _SHORTEST, _LONGEST = 0.08, 0.4
+"""Bounds of how long one counts that repeats, s."""
 _REPEATS = 0.2
 """Presses of one key that follow sooner than this, s, come from a key that is held."""
 _LATE = 2.5

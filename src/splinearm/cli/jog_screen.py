@@ -150,10 +150,7 @@ class Screen:
 
     def draw(self, rows: Sequence[str]) -> None:
         """Show lines, as many and as much of each as there is room for."""
-        try:
-            columns, height = os.get_terminal_size(self._file)
-        except OSError:
-            columns, height = 80, 24
+        columns, height = _size_of(self._file)
         text = "".join(f"{row[: columns - 1]}\x1b[K\r\n" for row in rows[: height - 1])
         self._write(f"\x1b[H{text}\x1b[J")
 
@@ -162,6 +159,15 @@ class Screen:
         with suppress(BlockingIOError):
             while data:
                 data = data[os.write(self._file, data) :]
+
+
+def _size_of(file: int) -> tuple[int, int]:
+    """Give columns and lines of a terminal; one on a serial line may not say how many it has."""
+    try:
+        columns, height = os.get_terminal_size(file)
+    except OSError:
+        columns, height = 0, 0
+    return columns or 80, height or 24
 
 
 def screen_file() -> int:

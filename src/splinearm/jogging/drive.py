@@ -33,6 +33,8 @@ _log = logging.getLogger(__name__)
 
 _FEWEST, _BRIDGED = 3, 0.02
 """So many cycles, or as many as take this time, s, are bridged."""
+_SETTLED = 0.1
+"""After a pause of so long, s, an arm stands where it was last sent."""
 _TRIES = 5
 """After so many cycles in which a step gets nowhere it is given up."""
 
@@ -125,16 +127,26 @@ class Drive:
         self._hold()
 
     def _mind(self, lateness: float) -> None:
-        """Brake after a pause of this computer; end if the servos have stopped meanwhile."""
+        """Brake after a pause of this computer; end if the servos have stopped meanwhile.
+
+        An arm that stands by now stays there: to brake along its way it would have to jump to the
+        speed that it had.
+        """
         if lateness <= self.bridged * self.period or self.stopway.rests:
             return
         if getattr(self.driver, "halted", False):
             self._fail(self._stale(lateness))
             self._cut_off = True
-        elif self._wish is not None:
+            return
+        stands = lateness >= _SETTLED
+        if stands:
+            self.stopway.stand()
+            self.guard = Guard(self.guard.limits, self.guard.tolerances)
+        if stands or self._wish is not None:
             self._wish = None
             self.desk.brake()
-            self.announce(f"this computer was busy for {lateness * 1e3:.0f} ms: the arm brakes")
+            now = "stands" if stands else "brakes"
+            self.announce(f"this computer was busy for {lateness * 1e3:.0f} ms: the arm {now}")
 
     def _read(self) -> JointState | None:
         try:

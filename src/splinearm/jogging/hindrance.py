@@ -7,6 +7,7 @@ from splinearm.arrays import FloatArray
 from splinearm.joints import JointKind
 from splinearm.kinematics.arm import Arm
 from splinearm.kinematics.singularity import nearest_singularity
+from splinearm.units import DEG, MM
 
 SINGULAR = 0.05
 """An arm whose smallest singular value is below this counts as nearly singular."""
@@ -57,7 +58,7 @@ def position(arm: Arm, joint: int, upper: bool, *, tool: bool) -> Hindrance:  # 
     limits = arm.limits
     name, slides = limits.names[joint], limits.kinds[joint] is JointKind.PRISMATIC
     value = float((limits.q_max if upper else limits.q_min)[joint])
-    shown = f"{value * 1e3:.1f} mm" if slides else f"{value * 57.29577951308232:.1f} deg"
+    shown = f"{value / MM:.1f} mm" if slides else f"{value / DEG:.1f} deg"
     remedy = "go the other way"
     if tool:
         remedy = f"the tool cannot go on that way; go back, or move {name} by itself"
@@ -74,7 +75,7 @@ def speed(arm: Arm, q: FloatArray, joint: int, share: float, *, tool: bool) -> H
     near = nearest_singularity(arm, q) if tool else None
     if near is not None and near.nearness < SINGULAR:
         words = f"nearly singular, {_opposed(near.opposed)}: {how}"
-    return Hindrance(broken=Broken.VELOCITY, words=words, joint=name, share=share)
+    return Hindrance(broken=Broken.VELOCITY, words=words, joint=name)
 
 
 def reach(arm: Arm, q: FloatArray) -> Hindrance:
@@ -97,13 +98,12 @@ def ability(arm: Arm, what: str) -> Hindrance:
 def tool_speed(share: float) -> Hindrance:
     """Say that the tool is as fast as it may be beside a person."""
     words = f"the tool does 250 mm/s, no more beside a person: {share:.0%} of what is wished"
-    return Hindrance(broken=Broken.TOOL, words=words, share=share)
+    return Hindrance(broken=Broken.TOOL, words=words)
 
 
-def passing(broken: Broken, joint: str, share: float) -> Hindrance:
+def passing(broken: Broken, joint: str) -> Hindrance:
     """Say that a joint only comes to speed."""
-    words = f"{joint} comes to speed"
-    return Hindrance(broken=broken, words=words, joint=joint, share=share)
+    return Hindrance(broken=broken, words=f"{joint} comes to speed", joint=joint)
 
 
 def _opposed(opposed: tuple[str, ...]) -> str:

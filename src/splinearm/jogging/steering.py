@@ -13,12 +13,16 @@ _DAMPING = 1e-10
 _SECOND_DAMPING = 1e-6
 """Of what comes second: far above what the first leaves of joints that are not free."""
 _PLENTY = 6
+"""So many joints keep the tool to its way in all directions."""
 _ROUNDS = 12
+"""So often a step is corrected at most."""
 _NEAR = 1e-10
 """A pose is met within this, reaches and rad."""
 _MET = 1e-8
 """A pose that is missed by more cannot be met."""
 _SAMPLES, _NEVER = 8, 1e-6
+"""At so many places is looked which ways of the tool there are; what is less than that share of
+the largest singular value is none."""
 _ABLE = 0.02
 """Of a turn that is wished an arm of few joints may miss this share."""
 

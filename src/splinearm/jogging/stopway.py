@@ -46,6 +46,7 @@ class Stopway:
         self._arm: Arm = bounds.arm
         self._steering = Steering(bounds.arm)
         self._shares = ramp.weights
+        # the last setpoints that were sent, then those to come, shape (m, n)
         self._rows = np.tile(q, (PAST + ramp.weights.size, 1))
         self._pace = 1.0
         self._t = 0.0
@@ -55,15 +56,9 @@ class Stopway:
         """Whether the arm rests and will."""
         return not np.ptp(self._rows[PAST - 1 :], axis=0).any()
 
-    @property
-    def end(self) -> FloatArray:
-        """Where it will rest if nothing more is wished, shape (n,), rad or m."""
-        return np.array(self._rows[-1])
-
-    @property
-    def rows(self) -> FloatArray:
-        """The last three setpoints that were sent and those to come, shape (m, n), rad or m."""
-        return np.array(self._rows)
+    def stand(self) -> None:
+        """Stay where the last setpoint has the arm; for one that stands there by now."""
+        self._rows[:] = self._rows[PAST - 1]
 
     def next(self) -> JointSetpoint:
         """Give the next setpoint, which is sent from here on."""
@@ -169,21 +164,20 @@ class Stopway:
     def _explain(self, why: Breach, way: FloatArray | None, share: float) -> Hindrance:
         """Say in words what is in the way."""
         arm, q, tool = self._arm, self._rows[-1], way is not None
-        words: Hindrance
         match why.broken:
             case Broken.POSITION:
-                words = hindrance.position(arm, why.joint, why.upper, tool=tool)
+                found = hindrance.position(arm, why.joint, why.upper, tool=tool)
             case Broken.VELOCITY:
-                words = hindrance.speed(arm, q, why.joint, share, tool=tool)
+                found = hindrance.speed(arm, q, why.joint, share, tool=tool)
             case Broken.TOOL:
-                words = hindrance.tool_speed(share)
+                found = hindrance.tool_speed(share)
             case Broken.ABILITY:
-                words = hindrance.ability(arm, _named(way))
+                found = hindrance.ability(arm, _named(way))
             case Broken.REACH:
-                words = hindrance.reach(arm, q)
+                found = hindrance.reach(arm, q)
             case _:
-                words = hindrance.passing(why.broken, arm.joint_names[why.joint], share)
-        return replace(words, share=share)
+                found = hindrance.passing(why.broken, arm.joint_names[why.joint])
+        return replace(found, share=share)
 
 
 def _named(way: FloatArray | None) -> str:
