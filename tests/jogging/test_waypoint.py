@@ -19,10 +19,10 @@ PLACES = np.array([[10.0, 20.0], [30.0, -40.0], [50.0, 60.0]]) * DEG
 
 def test_places_make_a_job_that_goes_there(cell, tmp_path):
     file = tmp_path / "mine.toml"
-    saved = WaypointFile(file, cell, "planar_2r")
+    saved = WaypointFile(file, cell)
     assert "new job" in saved.save(PLACES[0])
     assert "p1" in saved.save(PLACES[1])
-    again = WaypointFile(file, cell, "planar_2r")  # as on another day
+    again = WaypointFile(file, cell)  # as on another day
     assert "p2" in again.save(PLACES[2])
     job = load_job(file)
     np.testing.assert_allclose(job.q_start, PLACES[0], atol=1e-4 * DEG)
@@ -34,16 +34,18 @@ def test_places_make_a_job_that_goes_there(cell, tmp_path):
 def test_an_arm_file_of_ones_own_is_found_from_anywhere(cell, tmp_path):
     arm = tmp_path / "arm.toml"
     arm.write_text(cell.file.read_text())
-    file = tmp_path / "jobs" / "mine.toml"
+    file = tmp_path / "jobs" / 'my "own" \\ job.toml'  # a name that TOML must escape
     file.parent.mkdir()
-    saved = WaypointFile(file, cell, str(arm))
+    saved = WaypointFile(file, load_cell(arm))
     for q in PLACES:
         saved.save(q)
-    assert load_job(file).arm == arm.resolve()
+    job = load_job(file)
+    assert job.arm.resolve() == arm.resolve()
+    assert job.name == 'my "own" \\ job'
 
 
 def test_without_a_file_the_lines_are_kept(cell):
-    saved = WaypointFile(None, cell, "planar_2r")
+    saved = WaypointFile(None, cell)
     saved.save(PLACES[0])
     assert saved.lines[0].startswith('[[waypoint]]\nname = "p1"\njoints_deg = [10.000, 20.000]')
 
@@ -51,7 +53,7 @@ def test_without_a_file_the_lines_are_kept(cell):
 def test_a_name_that_is_taken_is_not_given_again(cell, tmp_path):
     file = tmp_path / "job.toml"
     file.write_text('schema = "splinearm-job/1"\n[[waypoint]]\nname = "p1"\n')
-    assert "p2" in WaypointFile(file, cell, "planar_2r").save(PLACES[0])
+    assert "p2" in WaypointFile(file, cell).save(PLACES[0])
 
 
 @pytest.mark.parametrize(
@@ -66,12 +68,12 @@ def test_what_is_no_job_with_waypoints_is_left_alone(cell, tmp_path, text, wante
     file = tmp_path / "other.toml"
     file.write_text(text)
     with pytest.raises(ConfigError, match=wanted):
-        WaypointFile(file, cell, "planar_2r")
+        WaypointFile(file, cell)
     assert file.read_text() == text
 
 
 def test_a_folder_that_is_not_there_is_said(cell, tmp_path):
-    saved = WaypointFile(tmp_path / "none" / "job.toml", cell, "planar_2r")
+    saved = WaypointFile(tmp_path / "none" / "job.toml", cell)
     with pytest.raises(ConfigError, match="cannot be written"):
         saved.save(PLACES[0])
 

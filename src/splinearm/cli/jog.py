@@ -111,7 +111,7 @@ def run(args: argparse.Namespace) -> int:
 
     cell = load_cell(args.arm)
     session = Session(cell, args)
-    waypoints = WaypointFile(args.waypoints, cell, args.arm)
+    waypoints = WaypointFile(args.waypoints, cell)
     where = port_words.port_of(args, cell, announce=session.say)
     lost = False
     try:

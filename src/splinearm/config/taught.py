@@ -71,19 +71,19 @@ def taught_text(taught: TaughtMotion, kinds: Sequence[JointKind]) -> str:
         taught: The motion.
         kinds: How its joints move.
     """
-    lines = [f"degree = {taught.degree}", f"knots = {_listed(taught.knots)}"]
+    lines = [f"degree = {taught.degree}", f"knots = {numbers_text(taught.knots)}"]
     if taught.words:
         lines.insert(0, f'fitted = "{taught.words}"')
     lines.append(f"{positions_key('points', kinds)} = [")
-    lines += [f"    {_listed(row)}," for row in to_file_units(taught.points, kinds)]
+    lines += [f"    {numbers_text(row)}," for row in to_file_units(taught.points, kinds)]
     lines.append("]")
     if taught.rests:
         u, seconds = zip(*taught.rests, strict=True)
-        lines += [f"rest_u = {_listed(u)}", f"rest_s = {_listed(seconds)}"]
+        lines += [f"rest_u = {numbers_text(u)}", f"rest_s = {numbers_text(seconds)}"]
     return "\n".join(lines) + "\n"
 
 
-def _listed(values: Sequence[float] | FloatArray) -> str:
+def numbers_text(values: Sequence[float] | FloatArray) -> str:
     """Give numbers as TOML has them, with no more digits than they need to come back."""
     return f"[{', '.join(_number(float(value)) for value in values)}]"
 

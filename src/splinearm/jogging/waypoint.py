@@ -9,22 +9,18 @@ import numpy as np
 from splinearm.arrays import FloatArray
 from splinearm.config import Cell
 from splinearm.config.job import JOB_SCHEMA
+from splinearm.config.job_text import job_head
 from splinearm.config.unit import positions_key
 from splinearm.errors import ConfigError
 from splinearm.kinematics import quaternion
 
-_HEAD = """\
-# Places that the arm was jogged to.
-schema = "splinearm-job/1"
-name = "{name}"
-title = "{name}, as jogged"
-arm = "{arm}"
-{start}
-
+_MOTION = """
 [motion]
 through = "joint"
 limits_percent = 30.0
 """
+_DECIMALS = 3
+"""So many have degrees and millimetres of a place."""
 
 
 class WaypointFile:
@@ -35,16 +31,14 @@ class WaypointFile:
     Args:
         file: The file; None: the lines are only given.
         cell: The arm.
-        arm: What the job shall call it: a shipped arm or the path of its file.
 
     Raises:
         ConfigError: If the file cannot be read, is none of TOML, or is a job without waypoints.
     """
 
-    def __init__(self, file: Path | None, cell: Cell, arm: str) -> None:
+    def __init__(self, file: Path | None, cell: Cell) -> None:
         self._file = file
         self._cell = cell
-        self._arm = arm if Path(arm).suffix == "" else str(Path(arm).resolve())
         self._names: set[str] = set()
         self.lines: list[str] = []
         """What was saved, ready to be pasted into a job."""
@@ -62,8 +56,10 @@ class WaypointFile:
         """
         file = self._file
         if file is not None and not file.exists():
-            start = f"{positions_key('start', self._cell.arm.limits.kinds)} = {self._numbers(q)}"
-            self._append(file, _HEAD.format(name=file.stem, arm=self._arm, start=start))
+            start = np.round(self._cell.to_file_units(q), _DECIMALS)
+            title = f"{file.stem}, as jogged"
+            head = job_head(file, self._cell, name=file.stem, title=title, start=start)
+            self._append(file, head + _MOTION)
             return f"a new job starts here, w again adds waypoints: {file}"
         name = next(name for k in count(1) if (name := f"p{k}") not in self._names)
         self._names.add(name)
@@ -76,11 +72,9 @@ class WaypointFile:
 
     def _waypoint(self, name: str, q: FloatArray) -> str:
         key = positions_key("joints", self._cell.arm.limits.kinds)
-        place = f"{key} = {self._numbers(q)}  # {pose_words(self._cell, q)}"
+        numbers = ", ".join(f"{value:.{_DECIMALS}f}" for value in self._cell.to_file_units(q))
+        place = f"{key} = [{numbers}]  # {pose_words(self._cell, q)}"
         return f'[[waypoint]]\nname = "{name}"\n{place}\n'
-
-    def _numbers(self, q: FloatArray) -> str:
-        return f"[{', '.join(f'{value:.3f}' for value in self._cell.to_file_units(q))}]"
 
     def _append(self, file: Path, text: str) -> None:
         try:

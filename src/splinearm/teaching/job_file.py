@@ -4,10 +4,10 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from splinearm.config import Cell, load_job, shipped_arms
+from splinearm.config import Cell, Job, load_job
 from splinearm.config.folder import write_whole
+from splinearm.config.job_text import job_head
 from splinearm.config.taught import taught_text
-from splinearm.config.unit import positions_key
 from splinearm.errors import ConfigError
 from splinearm.trajectories.taught import TaughtMotion
 
@@ -32,19 +32,9 @@ def new_job(file: Path, cell: Cell, pieces: Sequence[Piece], name: str) -> None:
     if file.exists():
         raise ConfigError(file, "", "is there already and is not overwritten; name another")
     first = next(piece for piece in pieces if isinstance(piece, TaughtMotion))
-    kinds = cell.arm.limits.kinds
-    start = next(
-        line for line in taught_text(first, kinds).splitlines() if line.startswith("    [")
-    ).strip(" ,")
-    head = (
-        'schema = "splinearm-job/1"\n'
-        f"name = {_quoted(name)}\n"
-        f"title = {_quoted(f'{name}, taught by hand')}\n"
-        f"arm = {_quoted(_arm_word(cell, file))}\n"
-        f"{positions_key('start', kinds)} = {start}\n\n"
-        '[motion]\ntiming = "recorded"\n'
-    )
-    write_whole(file, head + pieces_text(pieces, cell, 1))
+    start = cell.to_file_units(first.points[0])
+    head = job_head(file, cell, name=name, title=f"{name}, taught by hand", start=start)
+    write_whole(file, f'{head}\n[motion]\ntiming = "recorded"\n{_pieces_text(pieces, cell, 1)}')
 
 
 def append_to_job(file: Path, cell: Cell, pieces: Sequence[Piece]) -> None:
@@ -53,11 +43,10 @@ def append_to_job(file: Path, cell: Cell, pieces: Sequence[Piece]) -> None:
     Raises:
         ConfigError: If the job is for another arm or has no pieces, or cannot be written.
     """
-    check_appendable(file, cell)
+    job = appendable(file, cell)
     text = file.read_text(encoding="utf-8-sig")
-    count = sum(line.strip() == "[[piece]]" for line in text.splitlines())
     draft = file.with_name(f".{file.stem}.{os.getpid()}.toml")
-    whole = text.rstrip("\n") + "\n" + pieces_text(pieces, cell, count + 1)
+    whole = text.rstrip("\n") + "\n" + _pieces_text(pieces, cell, len(job.pieces) + 1)
     try:
         write_whole(draft, whole)
         load_job(draft, arm=cell.file)
@@ -66,8 +55,8 @@ def append_to_job(file: Path, cell: Cell, pieces: Sequence[Piece]) -> None:
     write_whole(file, whole)
 
 
-def check_appendable(file: Path, cell: Cell) -> None:
-    """Refuse a job to which pieces cannot be added, before anybody teaches some.
+def appendable(file: Path, cell: Cell) -> Job:
+    """Read a job to which pieces can be added; refuse another before anybody teaches some.
 
     Raises:
         ConfigError: With the reason.
@@ -77,9 +66,10 @@ def check_appendable(file: Path, cell: Cell) -> None:
         raise ConfigError(
             file, "", "has no pieces to which others could be added; write a job of its own (-o)"
         )
+    return job
 
 
-def pieces_text(pieces: Sequence[Piece], cell: Cell, number: int) -> str:
+def _pieces_text(pieces: Sequence[Piece], cell: Cell, number: int) -> str:
     """Give pieces as tables of a job, named by their numbers from ``number`` on."""
     text = []
     for i, piece in enumerate(pieces, number):
@@ -90,22 +80,3 @@ def pieces_text(pieces: Sequence[Piece], cell: Cell, number: int) -> str:
             lines += f'gripper = "{piece}"\n'
         text.append(lines)
     return "".join(text)
-
-
-def _arm_word(cell: Cell, file: Path) -> str:
-    """Give how a job in a file names an arm: a shipped one by its name, others by their path."""
-    if cell.name in shipped_arms() and load_path(cell.name) == cell.file:
-        return cell.name
-    return Path(os.path.relpath(cell.file.resolve(), file.resolve().parent)).as_posix()
-
-
-def load_path(name: str) -> Path:
-    """Give the file of a shipped arm."""
-    from splinearm.config import load_cell
-
-    return load_cell(name).file
-
-
-def _quoted(text: str) -> str:
-    plain = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{plain}"'
