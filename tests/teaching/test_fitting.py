@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from splinearm.errors import LimitError, StillError
+from splinearm.errors import CurveError, LimitError, StillError
 from splinearm.teaching.fitting import FitRule, fit_recording
 from splinearm.teaching.recording import Nearness
 from splinearm.trajectories.taught import TIMINGS, plan_taught
@@ -110,6 +110,20 @@ def test_a_recording_in_which_nothing_moves_is_refused(planar, recording_of):
         fit_recording(recording_of(planar, t, q), planar.arm)
     with pytest.raises(StillError, match="nothing moves"):
         fit_recording(recording_of(planar, t[:5], q[:5]), planar.arm)
+
+
+def test_a_clock_that_was_set_meanwhile_is_told_and_samples_may_come_in_bursts(
+    planar, hand, recording_of
+):
+    led = hand(seconds=5.0, pauses=1, wrong=0).leads(planar, 7)
+    jumped = np.where(led.t > 2.5, led.t + 1e7, led.t)
+    with pytest.raises(CurveError, match=r"lasts 1e\+07 s, a piece at most 3600 s"):
+        fit_recording(recording_of(planar, jumped, led.q), planar.arm)
+    t = np.sort(np.concatenate((led.t, led.t + 1e-7)))
+    once = fit_recording(recording_of(planar, led.t, led.q), planar.arm)
+    twice = fit_recording(recording_of(planar, t, led.q.repeat(2, axis=0)), planar.arm)
+    assert twice.motion.duration == pytest.approx(once.motion.duration, abs=0.1)
+    assert twice.points <= len(led.t) / 10
 
 
 def test_a_recording_of_another_arm_is_refused(planar, recording_of):

@@ -29,7 +29,7 @@ def test_what_is_written_comes_back(planar, table, recording_of):
 
 def test_what_the_recorder_writes_is_read_by_what_was_measured(table):
     head = "cycle,t_s,joint1_wanted_deg,joint2_wanted_deg,joint1_measured_deg,joint2_measured_deg\n"
-    found = table(head + "0,0.0,1,2,10,20\n1,0.01,1,2,,\n2,0.02,1,2,11,21\n")
+    found = table(head + "0,0.0,1,2,10,20\n1,0.01,1,2,,\n2,0.02,1,2,11,21\n\n")
     np.testing.assert_allclose(np.degrees(found.q), [[10, 20], [11, 21]])
     assert found.lost == 1
 

@@ -56,20 +56,17 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "--append", type=Path, default=None, metavar="JOB", help="add the pieces to this job"
     )
     parser.add_argument("--name", default=None, help="what the job is called")
+    _add_leading(parser)
+    _add_fitting(parser)
     parser.add_argument(
-        "--tolerance-mm",
-        type=float,
-        default=1.0,
-        metavar="MM",
-        help="how far the tool may be off what was led (default: 1)",
+        "--tables", action="store_true", help="write each recording as a table beside the job too"
     )
-    parser.add_argument(
-        "--tolerance-deg",
-        type=float,
-        default=0.5,
-        metavar="DEG",
-        help="how far a joint may be off (default: 0.5)",
-    )
+    parser.add_argument("--json", action="store_true", help="print what was made as JSON")
+    parser.set_defaults(run=run)
+
+
+def _add_leading(parser: argparse.ArgumentParser) -> None:
+    """Declare how the arm is led, or what was led before."""
     parser.add_argument(
         "--rate", type=float, default=100.0, metavar="HZ", help="readings a second (default: 100)"
     )
@@ -97,11 +94,24 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument(
         "--trim", default=None, metavar="A:B", help="of that recording only from A to B, in s"
     )
+
+
+def _add_fitting(parser: argparse.ArgumentParser) -> None:
+    """Declare how near the motions are to what was led."""
     parser.add_argument(
-        "--tables", action="store_true", help="write each recording as a table beside the job too"
+        "--tolerance-mm",
+        type=float,
+        default=1.0,
+        metavar="MM",
+        help="how far the tool may be off what was led (default: 1)",
     )
-    parser.add_argument("--json", action="store_true", help="print what was made as JSON")
-    parser.set_defaults(run=run)
+    parser.add_argument(
+        "--tolerance-deg",
+        type=float,
+        default=0.5,
+        metavar="DEG",
+        help="how far a joint may be off (default: 0.5)",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -147,12 +157,12 @@ def _rule(args: argparse.Namespace) -> "FitRule":
 
 def _file(args: argparse.Namespace, cell: "Cell") -> Path:
     """Give the file to write, after looking whether it can be."""
-    from splinearm.teaching.job_file import check_appendable
+    from splinearm.teaching.job_file import appendable
 
     from .files import require_new
 
     if args.append is not None:
-        check_appendable(args.append, cell)
+        appendable(args.append, cell)
         return Path(args.append)
     if args.output is not None:
         require_new(rows=args.output)
@@ -255,7 +265,7 @@ def _gripper(station: "Station") -> "Gripper | None":
     try:
         gripper.take()
     except BusError as error:
-        say(f"the gripper is marked but does not move: {error}")
+        say(f"g only marks what the gripper shall do, it does not move now: {error}")
         return None
     return gripper
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.config.taught import DECIMALS
+from splinearm.config.taught import DECIMALS, LONGEST
 from splinearm.config.unit import from_file_units, to_file_units
 from splinearm.curves.bspline import BSpline
 from splinearm.errors import CurveError, LimitError, StillError
@@ -91,18 +91,15 @@ def fit_recording(recording: Recording, arm: Arm, rule: FitRule | None = None) -
     Raises:
         LimitError: If the arm was led beyond a limit of position.
         StillError: If nothing moves.
-        CurveError: If the recording cannot be followed within the tolerance.
+        CurveError: If the recording lasts longer than an hour, or cannot be followed within the
+            tolerance.
         ValueError: If it is of other joints.
     """
     rule = FitRule() if rule is None else rule
-    if recording.names != arm.joint_names:
-        raise ValueError(f"recording: want joints {arm.joint_names}, got {recording.names}")
-    if len(recording.t) < _FEWEST:
-        raise StillError(recording.duration)
+    _require(recording, arm)
     ruler = Ruler(arm, rule.nearness)
     t = recording.t - recording.t[0]
     free = clean(t, recording.q, ruler.joint)
-    told = _wrong_words(t, free)
     q = recording.q.copy()
     q[free.wrong] = free.curve.at(t[free.wrong])
     q, moved = _within_limits(t, q, arm)
@@ -123,12 +120,6 @@ def fit_recording(recording: Recording, arm: Arm, rule: FitRule | None = None) -
         f"{len(target.q)} samples"
     )
     scattered = int(target.scattered.sum())
-    if scattered:
-        told = (
-            *told,
-            f"{scattered} samples scatter by more than the tolerance allows: there the motion is "
-            "near their neighbours, smoothed",
-        )
     return Fitted(
         motion=replace(motion, words=words),
         start=float(t[moving.first]),
@@ -137,8 +128,19 @@ def fit_recording(recording: Recording, arm: Arm, rule: FitRule | None = None) -
         joint_miss=joint,
         wrong=tuple(t[free.wrong].tolist()),
         scattered=scattered,
-        words=(*told, *moved),
+        words=(*_wrong_words(t, free), *_scatter_words(scattered), *moved),
     )
+
+
+def _require(recording: Recording, arm: Arm) -> None:
+    """Refuse a recording of which no motion of an arm can be made."""
+    if recording.names != arm.joint_names:
+        raise ValueError(f"recording: want joints {arm.joint_names}, got {recording.names}")
+    if len(recording.t) < _FEWEST:
+        raise StillError(recording.duration)
+    if recording.duration > LONGEST:  # a clock that was set meanwhile, or two recordings as one
+        what = f"lasts {recording.duration:.4g} s, a piece at most {LONGEST:g} s; take a part of it"
+        raise CurveError(what, "recording")
 
 
 class _Target:
@@ -237,6 +239,16 @@ def _wrong_words(t: FloatArray, free: Clean) -> tuple[str, ...]:
     count = free.wrong.size
     what = "1 sample is wrong and is" if count == 1 else f"{count} samples are wrong and are"
     return (f"{what} left out (at {shown}{more} s)",)
+
+
+def _scatter_words(count: int) -> tuple[str, ...]:
+    """Tell how many samples could not lead the curve."""
+    if not count:
+        return ()
+    return (
+        f"{count} samples scatter by more than the tolerance allows: there the motion is "
+        "near their neighbours, smoothed",
+    )
 
 
 def _within_limits(t: FloatArray, q: FloatArray, arm: Arm) -> tuple[FloatArray, tuple[str, ...]]:

@@ -10,6 +10,7 @@ from splinearm.curves.bspline import BSpline
 from splinearm.curves.smoothing import smooth
 
 Flags: TypeAlias = np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+"""Whether something is so, sample by sample."""
 
 _AROUND = 5
 """So many samples before and behind say where one should be."""
@@ -30,6 +31,7 @@ _LEAST = 0.25
 """... if it is also farther off than this share of the joints' tolerance."""
 
 _ROUNDS = 3
+"""So often the curve is made anew without what was found wrong."""
 
 _GAUSS = 1.4826
 """Standard deviation of Gauss' distribution, of its median of absolute values."""
@@ -42,8 +44,6 @@ class Clean(NamedTuple):
     """The joints by time: as near to the samples as their noise allows, and as little bent."""
     wrong: IndexArray
     """The samples that are wrong and were left out, shape (w,)."""
-    scatter: FloatArray
-    """Standard deviation of the others from the curve, shape (n,), rad or m."""
 
 
 def clean(t: FloatArray, q: FloatArray, tolerance: FloatArray) -> Clean:
@@ -69,7 +69,7 @@ def clean(t: FloatArray, q: FloatArray, tolerance: FloatArray) -> Clean:
         wrong |= more
     kept = np.flatnonzero(~wrong)
     curve = smooth(q[kept], parameters=t[kept])
-    return Clean(curve, np.flatnonzero(wrong), (curve.at(t[kept]) - q[kept]).std(axis=0))
+    return Clean(curve, np.flatnonzero(wrong))
 
 
 def _jumps(t: FloatArray, q: FloatArray, least: FloatArray) -> Flags:

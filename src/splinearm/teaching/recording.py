@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from splinearm.arrays import FloatArray, frozen_array
+from splinearm.joints import JointKind
 from splinearm.kinematics.arm import Arm
 
 
@@ -74,8 +75,6 @@ class Ruler:
     """
 
     def __init__(self, arm: Arm, nearness: Nearness) -> None:
-        from splinearm.joints import JointKind
-
         self._arm = arm
         self._tool = nearness.tool
         self.joint = np.array(

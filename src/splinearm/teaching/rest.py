@@ -6,12 +6,13 @@ from typing import NamedTuple
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.curves.basis import IndexArray
 from splinearm.curves.bspline import BSpline
 from splinearm.errors import StillError
+from splinearm.joints import JointKind
 from splinearm.kinematics.arm import Arm
 from splinearm.units import DEG
 
+from .noise import Flags
 from .recording import Ruler
 
 _CALM = 0.06
@@ -19,6 +20,10 @@ _CALM = 0.06
 
 _REACH = 3.0
 """So many sigmas are averaged over."""
+
+_FINEST = 0.1
+"""Speeds are taken no closer than this share of the mean time between samples, however many of
+them came at once."""
 
 _OF_TOLERANCE = 0.9
 """So near to one place, as a share of the tolerance, a rest is ..."""
@@ -136,9 +141,10 @@ def _grown(
     return grown
 
 
-def _slow(t: FloatArray, curve: BSpline, arm: Arm, rule: RestRule) -> IndexArray:
+def _slow(t: FloatArray, curve: BSpline, arm: Arm, rule: RestRule) -> Flags:
     """Tell at which samples the arm is slower than a rest allows."""
-    step = float(np.median(np.diff(t)))
+    mean = float(t[-1] - t[0]) / (len(t) - 1)
+    step = max(float(np.median(np.diff(t))), _FINEST * mean)
     even = np.arange(t[0], t[-1] + step, step)
     q = curve.at(np.minimum(even, t[-1]))
     reach = max(int(_REACH * _CALM / step), 1)
@@ -148,19 +154,14 @@ def _slow(t: FloatArray, curve: BSpline, arm: Arm, rule: RestRule) -> IndexArray
     calm = np.stack([np.convolve(joint, kernel, mode="valid") for joint in padded.T], axis=1)
     rate = np.gradient(calm, step, axis=0)
     tool = np.linalg.norm((arm.jacobian(calm)[:, :3] @ rate[..., None])[..., 0], axis=1)
-    most = np.where(_turns(arm), rule.joint_speed, rule.tool_speed)
+    turns = [kind is JointKind.REVOLUTE for kind in arm.limits.kinds]
+    most = np.where(turns, rule.joint_speed, rule.tool_speed)
     share = np.maximum(tool / rule.tool_speed, (np.abs(rate) / most).max(axis=1))
-    slow: IndexArray = np.interp(t, even, share) < 1.0
+    slow: Flags = np.interp(t, even, share) < 1.0
     return slow
 
 
-def _turns(arm: Arm) -> IndexArray:
-    from splinearm.joints import JointKind
-
-    return np.array([kind is JointKind.REVOLUTE for kind in arm.limits.kinds])
-
-
-def _runs(slow: IndexArray) -> list[tuple[int, int]]:
+def _runs(slow: Flags) -> list[tuple[int, int]]:
     """Give first and last sample of each stretch that is slow."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], slow.astype(np.int8), [0]))))
     return [(int(begin), int(end) - 1) for begin, end in edges.reshape(-1, 2)]

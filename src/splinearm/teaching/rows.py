@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.config.unit import from_file_units, positions_key, to_file_units
+from splinearm.config.unit import from_file_units, to_file_units
 from splinearm.errors import ConfigError
-from splinearm.joints import JointLimits
+from splinearm.joints import JointKind, JointLimits
 
 from .recording import Recording
 
 _TIME = "t_s"
+_UNITS = {JointKind.REVOLUTE: "deg", JointKind.PRISMATIC: "mm"}
 
 
 def read_rows(file: str | PathLike[str], limits: JointLimits) -> Recording:
@@ -36,10 +37,12 @@ def read_rows(file: str | PathLike[str], limits: JointLimits) -> Recording:
     head = [name.strip() for name in lines[0]] if lines else []
     columns = [_column(path, head, (_TIME,))]
     for name, kind in zip(limits.names, limits.kinds, strict=True):
-        unit = positions_key("", (kind,)).replace("_deg_mm", "_mm")
-        columns.append(_column(path, head, (f"{name}_measured{unit}", f"{name}{unit}")))
+        unit = _UNITS[kind]
+        columns.append(_column(path, head, (f"{name}_measured_{unit}", f"{name}_{unit}")))
     rows, lost = [], 0
     for number, line in enumerate(lines[1:], 2):
+        if not line:  # an empty one, as editors leave it behind the last
+            continue
         if len(line) != len(head):
             raise ConfigError(path, f"line {number}", f"want {len(head)} cells, got {len(line)}")
         cells = [line[i].strip() for i in columns]
@@ -63,9 +66,8 @@ def rows_text(recording: Recording, limits: JointLimits) -> str:
     """Give a recording as such a table."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    units = [positions_key("", (kind,)).replace("_deg_mm", "_mm") for kind in limits.kinds]
-    names = zip(limits.names, units, strict=True)
-    writer.writerow([_TIME, *(f"{name}_measured{unit}" for name, unit in names)])
+    names = zip(limits.names, limits.kinds, strict=True)
+    writer.writerow([_TIME, *(f"{name}_measured_{_UNITS[kind]}" for name, kind in names)])
     q: FloatArray = to_file_units(recording.q, limits.kinds)
     for t, row in zip(recording.t - recording.t[:1], q, strict=True):
         writer.writerow([f"{t:.6f}", *(f"{value:.9g}" for value in row)])
