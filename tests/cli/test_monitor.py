@@ -80,7 +80,7 @@ def test_table_json_csv_and_datagrams_say_the_same(bus, cli):
         words = ("monitor", "planar_2r", "--port", bus.port, "--rate", "20", "--for", "0.4")
         assert cli(*words, "--json", "--udp", where, "--csv", "rows.csv") == 0
         lines = [json.loads(line) for line in cli.out.splitlines()]
-        assert 4 <= len(lines) <= 12
+        assert 2 <= len(lines) <= 12
         assert [json.loads(listener.recv(65536)) for _ in lines] == lines
     with (cli.folder / "rows.csv").open(newline="", encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))

@@ -11,7 +11,7 @@ from splinearm.backends import centred
 from splinearm.config import load_cell
 from splinearm.drivers.dynamixel import DynamixelBus
 from splinearm.drivers.packets import Instruction
-from splinearm.errors import SilentBusError
+from splinearm.errors import ConfigError, SilentBusError
 from splinearm.monitoring import Level, Monitor, watching
 from splinearm.monitoring.document import document
 from splinearm.monitoring.outlet import line_of
@@ -91,6 +91,8 @@ def test_a_monitor_asks_and_writes_nothing(arm):
     with Monitor(bus.port, cell) as monitor:
         for _, _ in zip(monitor.samples(400.0), range(60), strict=False):
             pass
+        with pytest.raises(ValueError, match="rate: want"):
+            next(monitor.samples(0.0))
         with pytest.raises(RuntimeError, match="asks only"):
             monitor._bus.write(1, cell.chain.servos[0].servo_model.table["LED"], 1)
     asking = {Instruction.PING, Instruction.READ, Instruction.SYNC_READ, Instruction.FAST_SYNC_READ}
@@ -226,8 +228,10 @@ def test_without_an_arm_whoever_answers_is_watched(arm):
         assert sample.level is Level.WELL
 
 
-def test_a_port_without_servos_and_without_an_arm_is_refused(arm):
-    _, bus = arm
+def test_a_port_without_servos_and_an_arm_without_any_are_refused(arm):
+    cell, bus = arm
+    with pytest.raises(ConfigError, match="no servos"):
+        Monitor(bus.port, replace(cell, chain=None))
     bus.silent = True
     with pytest.raises(SilentBusError):
         Monitor(bus.port, baud=1_000_000)

@@ -21,8 +21,11 @@ if TYPE_CHECKING:
     from .monitor_table import Show
 
 _PAUSE = 0.02
+"""How long a key is waited for before samples are taken again, s."""
 _TRIES = 3
-_LEAST, _MOST = 0.1, 1000.0  # Hz
+"""So often ``--once`` looks before who is silent counts as that."""
+_LEAST, _MOST = 0.1, 1000.0
+"""Bounds of ``--rate``, Hz."""
 
 _EPILOG = """It reads and never writes: torque stays as it is, and nothing moves.
 

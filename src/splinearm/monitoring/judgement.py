@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from math import isnan
 
 from splinearm.doctor.catalogue import found, in_order
 from splinearm.doctor.chart import Chart
@@ -11,10 +11,7 @@ from splinearm.doctor.servo_check import check_errors, check_health
 from splinearm.drivers.ability import HARDWARE_ERROR
 from splinearm.drivers.health_limit import HealthLimits
 
-from .sample import Level, Verdict
-
-if TYPE_CHECKING:
-    from .sample import ServoSample
+from .sample import Level, ServoSample, Verdict
 
 _LIGHTEN = "look for what blocks the joint, lighten its load or move slower"
 _LEVELS = {Severity.ERROR: Level.STOP, Severity.WARNING: Level.WARN, Severity.HINT: Level.WELL}
@@ -42,7 +39,7 @@ class Evidence:
     """Whether the zero of its joint is known."""
 
 
-def judge(facts: "ServoSample", evidence: Evidence) -> Verdict:
+def judge(facts: ServoSample, evidence: Evidence) -> Verdict:
     """Say how a servo fares, and what mends what is worst."""
     fields = _fields(facts, evidence)
     findings = in_order(list(_findings(facts, evidence)))
@@ -55,7 +52,7 @@ def judge(facts: "ServoSample", evidence: Evidence) -> Verdict:
     )
 
 
-def _findings(facts: "ServoSample", evidence: Evidence) -> Iterator[Finding]:
+def _findings(facts: ServoSample, evidence: Evidence) -> Iterator[Finding]:
     where = f"servo {facts.servo_id} ({facts.name})"
     if not facts.answers and not facts.model and evidence.other is not None:
         yield evidence.other  # it answers pings, but who can read it?
@@ -82,16 +79,16 @@ def _findings(facts: "ServoSample", evidence: Evidence) -> Iterator[Finding]:
         )
 
 
-def _status(facts: "ServoSample", chart: Chart) -> int:
+def _status(facts: ServoSample, chart: Chart) -> int:
     """Give the bits of errors that a servo without a register for them has told."""
     bits = chart.model.error_bits.items()
     return sum(bit for bit, name in bits if name in facts.errors)
 
 
-def _fields(facts: "ServoSample", evidence: Evidence) -> dict[str, Level]:
+def _fields(facts: ServoSample, evidence: Evidence) -> dict[str, Level]:
     """Give the levels of single quantities that are not well."""
     limits = evidence.limits
-    effort = "load" if facts.load == facts.load else "current"  # NaN: the other one is measured
+    effort = "current" if isnan(facts.load) else "load"
     voltage = max(
         _high(facts.voltage, limits.voltage_high_warn, limits.voltage_high_stop),
         _high(-facts.voltage, -limits.voltage_low_warn, -limits.voltage_low_stop),
@@ -114,7 +111,7 @@ def _high(value: float, warn: float, stop: float) -> Level:
     return Level.WARN if value >= warn else Level.WELL
 
 
-def _by_effort(facts: "ServoSample", evidence: Evidence, fields: dict[str, Level]) -> Verdict:
+def _by_effort(facts: ServoSample, evidence: Evidence, fields: dict[str, Level]) -> Verdict:
     """Give the verdict where the doctor has nothing to say: at most it works too hard."""
     level = max(fields.values(), default=Level.WELL)
     if level is Level.WELL:

@@ -5,9 +5,11 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from math import inf
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
+from splinearm.backends import require_chain
 from splinearm.control.clock import WallClock
 from splinearm.doctor.roll import call_everyone
 from splinearm.doctor.stethoscope import Stethoscope
@@ -64,6 +66,7 @@ class Monitor:
         told: How the user named the arm, for remedies.
 
     Raises:
+        ConfigError: If the arm has no servos.
         PortError: If the port cannot be used.
         SilentBusError: If no arm was named and nobody answers.
     """
@@ -76,11 +79,10 @@ class Monitor:
         baud: int | None = None,
         told: str | None = None,
     ) -> None:
-        chain = None if cell is None else cell.chain
-        if cell is None or chain is None:
+        if cell is None:
             self._crowd = _whoever(port, baud)
         else:
-            self._crowd = _of_arm(cell, chain, baud, told)
+            self._crowd = _of_arm(cell, require_chain(cell), baud, told)
         self._port = port
         protocols = {servo.servo_id: servo.protocol for servo in self._crowd.servos}
         self._bus = Stethoscope(port, self._crowd.baud, protocols=protocols, margin=_MARGIN)
@@ -109,7 +111,13 @@ class Monitor:
         self._bus.close()
 
     def samples(self, rate: float = RATE) -> Iterator[Sample]:
-        """Give samples at a rate, Hz, for as long as they are asked for."""
+        """Give samples at a rate, Hz, for as long as they are asked for.
+
+        Raises:
+            ValueError: With the first, if that is no rate.
+        """
+        if not 0.0 < rate < inf:
+            raise ValueError(f"rate: want samples a second above 0, got {rate}")
         clock, period = WallClock(), 1.0 / rate
         self._beat = Beat(rate)
         due = clock.now()

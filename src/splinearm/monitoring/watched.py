@@ -5,7 +5,7 @@ from math import exp, isnan, nan
 
 from splinearm.doctor.chart import Chart, read_registers
 from splinearm.doctor.finding import Finding
-from splinearm.doctor.line_check import model_of
+from splinearm.doctor.model_number import model_of
 from splinearm.doctor.setting_check import other_model, unknown_model
 from splinearm.doctor.stethoscope import Stethoscope
 from splinearm.drivers.ability import HARDWARE_ERROR, voltage_register
@@ -106,9 +106,8 @@ class Watched:
         except ValueError:  # no servo that turns
             return
         self.model, self.slow = model, slow_blocks(model)
-        health = HealthLimits() if spec is None else spec.health
-        self._limits = health.resolved(model, values)
-        self._values = values
+        self._values = {}
+        self._know(model, values)
         self._dial = None
         if not self._heard:  # it answers, but never in a group
             self.is_alone = True
@@ -155,10 +154,14 @@ class Watched:
             return
         values = read_registers(bus, self.servo_id, self.model, None)
         if values is not None:
-            spec = self.place.servo
-            health = HealthLimits() if spec is None else spec.health
-            self._limits = health.resolved(self.model, values)
-            self._values |= values
+            self._know(self.model, values)
+
+    def _know(self, model: ServoModel, values: dict[str, int]) -> None:
+        """Take what its registers hold, and what is borne by them."""
+        spec = self.place.servo
+        health = HealthLimits() if spec is None else spec.health
+        self._limits = health.resolved(model, values)
+        self._values |= values
 
     def lose(self) -> None:
         """Count it as silent from now on, as when the port is gone."""

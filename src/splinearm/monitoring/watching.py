@@ -3,6 +3,7 @@
 import sys
 import threading
 from collections import deque
+from contextlib import suppress
 from types import TracebackType
 from typing import Self
 
@@ -56,8 +57,10 @@ class Watching:
         Raises:
             Exception: Whatever ended the watching.
         """
-        waiting = self._waiting
-        taken = [waiting.popleft() for _ in range(len(waiting))]
+        taken: list[Sample] = []
+        with suppress(IndexError):  # the thread may drop the oldest meanwhile
+            while True:
+                taken.append(self._waiting.popleft())
         if self._error is not None and not taken:
             raise self._error
         return taken
