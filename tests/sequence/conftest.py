@@ -16,6 +16,12 @@ points_deg = [[20.0, 60.0], [20.0, 60.0], [26.0, 55.0], [26.0, 55.0]]
 SAVED = '[[piece]]\nname = "saved"\nmotion = "saved.json"\n'
 
 
+@pytest.fixture(autouse=True)
+def short_rehearsal(monkeypatch):
+    """No test here is about the rate that this computer holds."""
+    monkeypatch.setattr("splinearm.stage.REHEARSAL", 0.05)
+
+
 @pytest.fixture(scope="session")
 def pieces():
     """The texts of pieces, by name; ``head`` takes the arm."""

@@ -10,7 +10,7 @@ A job file has ``[[piece]]`` tables in place of ``[[waypoint]]``. Each is one of
 and may say besides::
 
     name                    what it is called
-    times                   how often it is carried out (default 1)
+    times                   how often it is carried out (default 1, at most 10000)
 
 What a gripper does, in a piece or in a ``[[waypoint]]``, where the arm stops for it::
 
@@ -40,6 +40,8 @@ if TYPE_CHECKING:
 
 _WORDS = {"open": 100.0, "close": 0.0}
 _KINDS = ("motion", "job", TAUGHT_KEY, "gripper")
+_OFTEN = 10_000
+"""Every repetition is a step that is known before anything moves."""
 _GRIP_KEYS = ("force_percent", "must_hold", "wait_s")
 
 
@@ -136,7 +138,7 @@ def _read_piece(
     table: Table, number: int, file: Path, cell: Cell, load_job: Callable[[Path], "Job"]
 ) -> Piece:
     name = table.text("name", f"piece {number}")
-    times = table.integer("times", 1, low=1)
+    times = table.integer("times", 1, low=1, high=_OFTEN)
     given = [key for key in _KINDS if key in table]
     if not given:
         raise table.refuse(

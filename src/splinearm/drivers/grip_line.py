@@ -12,6 +12,7 @@ from .model import ServoModel
 _NEAR = 0.02
 """So near to its goal it has arrived, a share of the travel."""
 _NEAR_TICKS = 10
+"""The same in ticks, where the travel is short."""
 _STILL = 0.03
 """Slower than this it stands, a share of the travel a second."""
 _PRESSING = 0.4
@@ -20,6 +21,7 @@ supply, which is less than the motor's by the share of its output."""
 _SPEEDS = ("Present Velocity", "Present Speed")
 _PROFILES = ("Profile Velocity", "Moving Speed")
 _TIME_BASED = 0x04
+"""Bit of Drive Mode: the profile is a time, in ms, not a speed."""
 _MILLI = 1e3
 _UNLIMITED = 0.5
 """How long the travel takes without a limit, s: an estimate."""

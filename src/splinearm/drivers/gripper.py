@@ -43,7 +43,8 @@ _WATCH = 0.2
 _SOON = 0.05
 """The same while it may be losing what it held."""
 _PATIENCE = 3
-_RAW_SHIFT = 8
+"""How often in a row it may be silent before it counts as lost."""
+_RAW_SHIFT = 8  # above that an error byte of Protocol 1.0 stands as it came
 
 
 class Gripper:
@@ -116,7 +117,7 @@ class Gripper:
         """
         self._take()
 
-    def _take(self, *, recovered: bool = False) -> None:
+    def _take(self, *, recovered: bool = False) -> GripLine:
         bus, servos = self._bus, [self._servo]
         self._line = None
         line = grip_start.begin(bus, self._servo, self._gauge, recovered=recovered)
@@ -126,6 +127,7 @@ class Gripper:
         self._forget()
         for _ in range(_AGREEING + 1):  # whether it holds something by now
             self.look()
+        return line
 
     def open(self, force: float | None = None) -> GripState:
         """Open it, and wait until it is open or stands; see ``move``."""
@@ -338,11 +340,7 @@ class Gripper:
 
     def _taken(self) -> GripLine:
         """Give how it is read; take it first if that was not done."""
-        if self._line is None:
-            self.take()
-        if self._line is None:
-            raise RuntimeError("the gripper was not taken")
-        return self._line
+        return self._take() if self._line is None else self._line
 
     def _has_begun(self, state: GripState) -> bool:
         """Tell whether it was, or must have been, on its way: until then it presses as before.

@@ -47,10 +47,7 @@ def carry_out_sequence(
     Raises:
         SplinearmError: If the arm or its gripper cannot move at all; nothing has moved then.
     """
-    audience = Audience(csv=csv, mcap=mcap)
-    if announce is not None:
-        audience = replace(audience, announce=announce)
-    return _carry_out(planned, station, audience, observe, Place())
+    return _carry_out(planned, station, _audience(csv, mcap, announce), observe, Place())
 
 
 def resume_sequence(
@@ -81,15 +78,20 @@ def resume_sequence(
     """
     if result.outcome is Outcome.FINISHED:
         raise ValueError("result: that sequence was finished, nothing of it remains")
-    audience = Audience(csv=csv, mcap=mcap)
-    if announce is not None:
-        audience = replace(audience, announce=announce)
     step = result.step
     if step.planned is not None and result.ending.stopped is not None:
         rest = result.ending.stopped.remaining()
         plan = replace(step.planned.plan, trajectory=rest)
         step = replace(step, planned=replace(step.planned, plan=plan))
+    audience = _audience(csv, mcap, announce)
     return _carry_out(result.planned, station, audience, observe, result.place, step)
+
+
+def _audience(
+    csv: Path | None, mcap: Path | None, announce: Callable[[str], object] | None
+) -> Audience:
+    audience = Audience(csv=csv, mcap=mcap)
+    return audience if announce is None else replace(audience, announce=announce)
 
 
 def _carry_out(
@@ -103,9 +105,14 @@ def _carry_out(
     """Carry out a sequence from a place on, whose step is ``first`` if something of it is done."""
     forecasts = {id(t): forecast_of(s.planned) for s, t in steps_of(planned) if s.planned}
     with on_stage(planned.job, planned.cell, station, audience) as stage:
-        show = _Show(stage, planned, Hand(stage, station.gripper), forecasts)
-        show.observe = None if observe is None else stage.later(lambda told: observe(*told))
-        show.writes = audience.csv is not None
+        show = _Show(
+            stage=stage,
+            planned=planned,
+            hand=Hand(stage, station.gripper),
+            forecasts=forecasts,
+            observe=None if observe is None else stage.later(lambda told: observe(*told)),
+            writes=audience.csv is not None,
+        )
         show.prepare()
         ending, place = show.go(begin, first)
     return SequenceResult(
@@ -118,7 +125,7 @@ def _carry_out(
     )
 
 
-@dataclass(slots=True, eq=False)
+@dataclass(slots=True, eq=False, kw_only=True)
 class _Show:
     """A sequence under way."""
 
@@ -126,12 +133,16 @@ class _Show:
     planned: PlannedSequence
     hand: Hand
     forecasts: dict[int, StopForecast]
-    observe: Callable[[tuple[Step, Cycle]], object] | None = None
-    writes: bool = False
+    """What stops take, by the ``id`` of the motion."""
+    observe: Callable[[tuple[Step, Cycle]], object] | None
+    writes: bool
+    """Whether cycles are written to a file."""
     runs: list[StepRun] = field(default_factory=list)
     totals: Totals = field(default_factory=Totals)
     begun: float = 0.0
+    """When the first step began, s on the arm's clock."""
     written: int = 0
+    """Cycles that the motions before took, skipped ones too."""
 
     def prepare(self) -> None:
         """Check everything before anything moves, and say what a stop takes."""

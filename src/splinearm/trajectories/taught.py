@@ -72,11 +72,6 @@ class TaughtMotion:
         object.__setattr__(self, "curve", curve)
 
     @property
-    def n(self) -> int:
-        """Number of joints."""
-        return len(self.names)
-
-    @property
     def moving(self) -> float:
         """How long the joints moved, without the rests, s."""
         return float(self.curve.domain[1])
