@@ -93,6 +93,7 @@ def test_files_are_offered_by_their_kind(offered, tmp_path):
     assert offered("splinearm toolpath parts/") == ["parts/c.dxf", "parts/d.svg"]
     assert offered("splinearm plan parts/job.toml --plot parts/") == ["parts/d.svg", "parts/f.png"]
     assert offered("splinearm run nowhere/") == []
+    assert offered("splinearm run ~nobody-of-this-name/") == []
 
 
 def test_poses_and_joints_are_those_of_the_arm_that_is_named(offered, tmp_path):

@@ -82,7 +82,6 @@ def test_a_map_of_reach(said):
     assert found["mean_percent"] is None
 
 
-@pytest.mark.kernel
 def test_a_plan(said, cli):
     job = cli.job()
     plan = said("plan", job)
@@ -91,6 +90,21 @@ def test_a_plan(said, cli):
     assert plan["waypoint_times_s"][-1] == pytest.approx(plan["duration_s"])
     assert all(peak["share"] is None or peak["share"] <= 1.0 + 1e-6 for peak in plan["peaks"])
     assert {peak["joint"] for peak in plan["peaks"]} == {"joint1", "joint2"}
+
+
+WHEEL = """<robot name="wheel"><link name="base"/><link name="tip"/>
+<joint name="turn" type="continuous"><parent link="base"/><child link="tip"/>
+<axis xyz="0 0 1"/><limit velocity="2" effort="5"/></joint></robot>"""
+
+
+def test_a_plan_of_a_joint_that_turns_for_ever_is_json_too(said, cli):
+    cli.write("wheel.urdf", WHEEL)
+    head = 'schema = "splinearm-job/1"\nname = "w"\ntitle = "W"\narm = "wheel.urdf"\n'
+    place = 'start_deg = [0.0]\n[[waypoint]]\nthrough = "joint"\njoints_deg = [100.0]\n'
+    place_of, *rates = said("plan", cli.write("job.toml", head + place))["peaks"]
+    assert "Infinity" not in cli.out
+    assert (place_of["quantity"], place_of["limit"], place_of["share"]) == ("position", None, None)
+    assert all(0.0 < rate["share"] <= 1.0 + 1e-6 for rate in rates)
 
 
 @pytest.mark.bus

@@ -207,10 +207,9 @@ def files(prefix: str, endings: tuple[str, ...], *, says: str = "") -> list[str]
         says: What a TOML file must say, near its beginning.
     """
     head, slash, stem = prefix.rpartition("/")
-    folder = Path(f"{head}{slash}" or ".").expanduser()
     try:
-        there = sorted(folder.iterdir())
-    except OSError:
+        there = sorted(Path(f"{head}{slash}" or ".").expanduser().iterdir())
+    except (OSError, RuntimeError):  # no folder, or the home of nobody
         return []
     names = []
     for path in there:

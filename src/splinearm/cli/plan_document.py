@@ -1,5 +1,6 @@
-"""A plan for programs: values that JSON knows, in the units of files."""
+"""A plan for programs: values that JSON knows, in the units of files; None: nothing is limited."""
 
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from .report import unit_of
@@ -40,13 +41,14 @@ def _peak(peak: "LimitPeak", limits: "JointLimits") -> dict[str, Any]:
         unit, per = ("n" if unit == "mm" else "nm"), 1.0
     else:
         unit += _PER_TIME[peak.quantity]
+    is_limited = isfinite(peak.limit)
     return {
         "joint": peak.joint,
         "quantity": peak.quantity,
         "peak": float(peak.value / per),
-        "limit": float(peak.limit / per),
+        "limit": float(peak.limit / per) if is_limited else None,
         "unit": unit,
-        "share": abs(float(peak.value / peak.limit)) if peak.limit else None,
+        "share": abs(float(peak.value / peak.limit)) if is_limited and peak.limit else None,
         "at_s": float(peak.t),
     }
 
