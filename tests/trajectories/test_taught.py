@@ -10,8 +10,6 @@ from splinearm.errors import LimitError
 from splinearm.trajectories.limit import MotionLimits
 from splinearm.trajectories.taught import TaughtMotion, plan_taught
 
-pytestmark = pytest.mark.kernel
-
 CELL = load_cell("planar_2r")
 
 
