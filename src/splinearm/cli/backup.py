@@ -50,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
     from splinearm.config import load_cell
     from splinearm.config.folder import is_there
 
-    from .setup_person import console_for
+    from .setup_person import console_for, counted
 
     cell = None if args.arm is None else load_cell(args.arm)
     chain = None if cell is None else require_chain(cell)
@@ -68,8 +68,8 @@ def run(args: argparse.Namespace) -> int:
     else:
         for words in saved.lacking:
             console.print(f"not in it: {words}", markup=False, highlight=False)
-        count = len(saved.backup.servos)
-        console.print(f"{count} servos in {file}", markup=False, highlight=False, soft_wrap=True)
+        servos = counted(len(saved.backup.servos), "servo")
+        console.print(f"{servos} in {file}", markup=False, highlight=False, soft_wrap=True)
     return 1 if saved.lacking else 0
 
 

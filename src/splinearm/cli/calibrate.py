@@ -22,11 +22,6 @@ Calibrations lie in the folder `calibrations` of your configuration ($SPLINEARM_
 is called "default" is in use on real ports. Former ones stay there under their date."""
 
 
-_MARGIN = 0.05
-"""How long an answer may take beyond its time on the wire, s: nothing is in a hurry, and an answer
-that came too late could be taken for that of the next question."""
-
-
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Declare the command's words."""
     parser = commands.add_parser(
@@ -171,6 +166,7 @@ def _document(calibration: "Calibration") -> dict[str, Any]:
 def _calibrate(cell: "Cell", args: argparse.Namespace) -> int:
     """Make a calibration with a person at the arm."""
     from splinearm.backends import require_chain
+    from splinearm.commissioning.bench import MARGIN
     from splinearm.commissioning.calibration_bench import CalibrationBench
     from splinearm.config.calibration import DEFAULT, calibration_file
     from splinearm.drivers.dialect import protocols_of
@@ -193,7 +189,7 @@ def _calibrate(cell: "Cell", args: argparse.Namespace) -> int:
 
             port, hand = stack.enter_context(virtual_arm(cell))
         protocols = protocols_of(chain)
-        bus = DynamixelBus(port, chain.baud, margin=_MARGIN, protocols=protocols)
+        bus = DynamixelBus(port, chain.baud, margin=MARGIN, protocols=protocols)
         stack.enter_context(bus)
         bench = CalibrationBench(bus, cell, _joints(cell, args))
         bench.survey()

@@ -25,11 +25,10 @@ from splinearm.config.folder import is_there
 from splinearm.errors import ConfigError
 from splinearm.units import DEG
 
+from .setup_person import NARROW
+
 if TYPE_CHECKING:
     from splinearm.commissioning.calibration_placement import Placement
-
-_NARROW = 70
-"""Columns that the table of registers needs."""
 
 _RIGHT = ("now", "lowest", "highest", "travel", "old", "new", "deg", "zero at")
 
@@ -113,7 +112,7 @@ class Outcome:
     def show(self) -> None:
         """Show what comes out, and every register that changes: what it holds, what it will."""
         console = self._shown.console
-        if console.width < _NARROW:  # no column of a table may be lost
+        if console.width < NARROW:  # no column of a table may be lost
             self._show_lines()
         else:
             console.print(self._table())

@@ -1,24 +1,22 @@
 """The line on which servos are set up: spoken to at any rate, one rate at a time."""
 
-import logging
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import partial
 from types import TracebackType
-from typing import TYPE_CHECKING, NamedTuple, Self, TypeAlias
+from typing import NamedTuple, Self, TypeAlias
 
+from splinearm.doctor.model_number import model_of, model_words
+from splinearm.doctor.stethoscope import hushed
+from splinearm.drivers.dynamixel import DynamixelBus
 from splinearm.drivers.link import is_socket
-from splinearm.errors import PortError
-
-if TYPE_CHECKING:
-    from splinearm.drivers.dynamixel import DynamixelBus
+from splinearm.drivers.model import ServoModel
 
 MARGIN, QUICK_MARGIN = 0.05, 0.01
 """How long an answer may come later than the wire needs, s: where things are written nothing is in
-a hurry."""
+a hurry, and an answer that is late must not be taken for that of the next question."""
 
-Opener: TypeAlias = "Callable[[str, int], DynamixelBus]"
+Opener: TypeAlias = Callable[[str, int], DynamixelBus]
 """Opens a port at a rate."""
 
 
@@ -47,6 +45,16 @@ class Found(NamedTuple):
     firmware: int
     """Version of its firmware."""
 
+    @property
+    def model(self) -> ServoModel | None:
+        """Its model; None: its number is not known here."""
+        return model_of(self.model_number)
+
+    @property
+    def model_words(self) -> str:
+        """Its model, as it is called to people."""
+        return model_words(self.model_number)
+
 
 class Bench:
     """A port on which servos are set up; a with-block, which lets go of it.
@@ -63,7 +71,7 @@ class Bench:
         self,
         port: str,
         *,
-        opener: "Opener | None" = None,
+        opener: Opener | None = None,
         margin: float = MARGIN,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
@@ -73,7 +81,7 @@ class Bench:
         """Whether servos at different rates can be told apart: not on a socket."""
         self.clock = clock
         self.sleep = sleep
-        self._opener = partial(_open, margin) if opener is None else opener
+        self._opener = partial(DynamixelBus, margin=margin) if opener is None else opener
         self._open: DynamixelBus | None = None
 
     def __enter__(self) -> Self:
@@ -93,7 +101,7 @@ class Bench:
             self._open.close()
             self._open = None
 
-    def at(self, baud: int) -> "DynamixelBus":
+    def at(self, baud: int) -> DynamixelBus:
         """Give the line at a rate.
 
         Raises:
@@ -101,11 +109,11 @@ class Bench:
         """
         if self._open is None or self._open.baud != baud:
             self.close()
-            with _hushed():
+            with hushed():
                 self._open = self._opener(self.port, baud)
         return self._open
 
-    def to(self, address: Address) -> "DynamixelBus":
+    def to(self, address: Address) -> DynamixelBus:
         """Give the line as a servo hears it.
 
         Raises:
@@ -114,26 +122,3 @@ class Bench:
         bus = self.at(address.baud)
         bus.speak({address.servo_id: address.protocol})
         return bus
-
-
-def lacks_rate(error: PortError, baud: int) -> bool:
-    """Say whether an error says only that a port does not have a rate."""
-    return f"at {baud} baud" in error.reason
-
-
-def _open(margin: float, port: str, baud: int) -> "DynamixelBus":
-    from splinearm.drivers.dynamixel import DynamixelBus
-
-    return DynamixelBus(port, baud, margin=margin)
-
-
-@contextmanager
-def _hushed() -> Iterator[None]:
-    """Keep warnings about slow adapters back: they would come at every rate."""
-    logger = logging.getLogger("splinearm.drivers")
-    before = logger.level
-    logger.setLevel(logging.ERROR)
-    try:
-        yield
-    finally:
-        logger.setLevel(before)

@@ -17,13 +17,11 @@ from splinearm.errors import BusTimeoutError, ServoError
 from .backup import Backup, SavedServo, backup_file, write_backup
 from .bench import Address, Bench, Found
 from .image import read_image
-from .task import Change
+from .task import ANSWER_ALL, LEVEL, Change
 from .writing import Writer
 
 if TYPE_CHECKING:
     from splinearm.drivers.dynamixel import DynamixelBus
-
-_LEVEL, _ANSWER_ALL = "Status Return Level", 2
 
 
 class CalibrationLine:
@@ -116,10 +114,10 @@ class CalibrationLine:
         """Let servos answer that were told not to, unless that would be written for good."""
         mute = [servo for servo in self._servos if not self._answers(servo)]
         for servo in mute:
-            if servo.servo_model.table[_LEVEL].area is Area.EEPROM:
+            if servo.servo_model.table[LEVEL].area is Area.EEPROM:
                 raise ServoError(
                     servo.servo_id,
-                    f"its {_LEVEL} keeps it from answering: `splinearm setup` puts that right",
+                    f"its {LEVEL} keeps it from answering: `splinearm setup` puts that right",
                     name=servo.name,
                 )
         if mute:
@@ -128,7 +126,7 @@ class CalibrationLine:
     def _answers(self, servo: ServoSpec) -> bool:
         """Tell whether a servo that is there answers every instruction."""
         try:
-            return self._bus.read(servo.servo_id, servo.servo_model.table[_LEVEL]) == _ANSWER_ALL
+            return self._bus.read(servo.servo_id, servo.servo_model.table[LEVEL]) == ANSWER_ALL
         except BusTimeoutError:
             return False
 

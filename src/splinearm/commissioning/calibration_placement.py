@@ -21,6 +21,7 @@ from splinearm.errors import CalibrationError
 from splinearm.units import DEG
 
 from .sweep import counts_turns
+from .task import SECONDARY_ID
 
 _MARGIN = 1.0 * DEG
 """So far from the wrap point a joint must stay in position mode, rad: stops give way a little."""
@@ -34,7 +35,7 @@ _ROUNDING = 1.5
 _REVERSED = 1
 """The bit of Drive Mode that turns the direction round."""
 
-SECONDARY_ID, _NO_SECONDARY_ID = "Secondary(Shadow) ID", 255
+_NO_SECONDARY_ID = 255
 
 _HOMING_SHARE = 4
 """In position mode a Homing Offset counts up to a turn by that number, a larger one does not."""

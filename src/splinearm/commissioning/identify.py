@@ -4,12 +4,12 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from splinearm.doctor.roll import FACTORY_ID
 from splinearm.drivers.chain import ServoChain, ServoSpec
 from splinearm.errors import ServoError
 
 from .bench import Found
-from .image import known_model
-from .search import FACTORY_ID, factory_baud, target_of
+from .search import factory_baud, target_of
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -124,16 +124,10 @@ def other_model(servo: ServoSpec, one: Found) -> ServoError:
     """Make the error of a servo that is of another model than the file says."""
     return ServoError(
         one.address.servo_id,
-        f"found a {name_of(one)} ({one.address}), the arm's file says {servo.model}: put the right "
-        "servo there, or correct the model in the arm's file",
+        f"found a {one.model_words} ({one.address}), the arm's file says {servo.model}: put the "
+        "right servo there, or correct the model in the arm's file",
         name=servo.name,
     )
-
-
-def name_of(one: Found) -> str:
-    """Give the model of a servo in words."""
-    model = known_model(one)
-    return f"servo of model number {one.model_number}" if model is None else model.name
 
 
 def _is_model(servo: ServoSpec, one: Found) -> bool:

@@ -4,17 +4,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from splinearm.doctor.chart import blocks
 from splinearm.drivers.bus import Loss
 from splinearm.drivers.cyclic import GroupRead
 from splinearm.drivers.groups import BulkRead
-from splinearm.drivers.model import ServoModel, servo_model_by_number
+from splinearm.drivers.model import ServoModel
 from splinearm.drivers.registers import Area, ControlTable, Register
 from splinearm.errors import BusTimeoutError, PacketError, ServoError
 
 from .bench import Address, Bench, Found
 
 _TRIES = 6
-_GAP, _LONGEST = 24, 100  # bytes
 _REACH_V1 = 256
 
 
@@ -47,9 +47,9 @@ class ControlImage:
 
     def value(self, name: str) -> int | None:
         """Give what a register holds; None: it has none of that name, or it could not be read."""
-        register = self.model.table.get(name)
-        if register is None:
+        if name not in self.model.table:
             return None
+        register = self.model.table[name]
         data = self.bytes_at(register.address, register.size)
         return None if data is None else register.decode(data)
 
@@ -72,14 +72,6 @@ def kept(table: ControlTable) -> Sequence[Register]:
     return [r for r in table.registers if r.area is Area.EEPROM and r.writable]
 
 
-def known_model(found: Found) -> ServoModel | None:
-    """Give the model of a servo; None: its number is not known here."""
-    try:
-        return servo_model_by_number(found.model_number)
-    except ValueError:
-        return None
-
-
 def read_image(bench: Bench, found: Found) -> ControlImage:
     """Read the whole control table of a servo.
 
@@ -90,7 +82,7 @@ def read_image(bench: Bench, found: Found) -> ControlImage:
         PacketError: If its answers are damaged each time, as those of two with one id are.
         ServoError: If its model is not known, or it refuses.
     """
-    model = known_model(found)
+    model = found.model
     servo_id = found.address.servo_id
     if model is None:
         raise ServoError(servo_id, f"its model number, {found.model_number}, is not known here")
@@ -107,19 +99,9 @@ def read_image(bench: Bench, found: Found) -> ControlImage:
 
 def _chunks(table: ControlTable, protocol: int) -> Iterator[list[Register]]:
     """Give the registers in pieces that one read can bring, EEPROM and RAM apart."""
-    chunk: list[Register] = []
-    for register in table.registers:
-        if protocol == 1 and register.end > _REACH_V1:
-            break
-        if chunk:
-            other = register.area is not chunk[0].area
-            far = register.address - chunk[-1].end > _GAP
-            if other or far or register.end - chunk[0].address > _LONGEST:
-                yield chunk
-                chunk = []
-        chunk.append(register)
-    if chunk:
-        yield chunk
+    near = [r for r in table.registers if protocol != 1 or r.end <= _REACH_V1]
+    for area in Area:
+        yield from blocks([register for register in near if register.area is area])
 
 
 def _read_chunk(bench: Bench, address: Address, registers: Sequence[Register]) -> Iterator[Block]:

@@ -8,8 +8,7 @@ from splinearm.errors import BusTimeoutError, PacketError, SilentBusError
 
 from .backup import Backup, SavedServo
 from .bench import Bench, Found
-from .identify import name_of
-from .image import known_model, read_image
+from .image import read_image
 from .search import Presence, call_everyone
 from .survey import Survey
 
@@ -54,8 +53,8 @@ def save_everyone(bench: Bench) -> Saved:
     lacking = [f"{address}: damaged answers only" for address in presence.garbled]
     names = _names(presence)
     for one in presence.found:
-        if known_model(one) is None:
-            lacking.append(f"{one.address}: a {name_of(one)}, which is not known here")
+        if one.model is None:
+            lacking.append(f"{one.address}: a {one.model_words}, which is not known here")
             continue
         try:
             servos.append(SavedServo(names[one], read_image(bench, one)))

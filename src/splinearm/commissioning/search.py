@@ -6,21 +6,20 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
+from splinearm.doctor.roll import FACTORY_ID
+from splinearm.doctor.stethoscope import lacks_rate
 from splinearm.drivers.bus import PingReply
 from splinearm.drivers.chain import ServoChain, ServoSpec
 from splinearm.drivers.client import QUIET_SLOTS
 from splinearm.drivers.dialect import protocol_of
 from splinearm.drivers.dynamixel import DEFAULT_BAUDS
-from splinearm.drivers.model import ServoModel, servo_model_by_number, servo_models
+from splinearm.drivers.model import ServoModel, servo_models
 from splinearm.errors import BusError, BusTimeoutError, PacketError, PortError, ServoError
 
-from .bench import Address, Bench, Found, lacks_rate
+from .bench import Address, Bench, Found
 
 if TYPE_CHECKING:
     from splinearm.drivers.dynamixel import DynamixelBus
-
-FACTORY_ID = 1
-"""The id of every servo fresh out of the box."""
 
 _OWN = ("Present Position", "Realtime Tick")
 """Where two servos of one model hardly hold the same."""
@@ -173,14 +172,14 @@ def _all_at(bus: "DynamixelBus", baud: int, quiet_slots: int, *, old: bool) -> I
 
 def _is_shared(bench: Bench, one: Found) -> bool:
     """Tell whether what a servo says of its place is damaged each time."""
+    table = {} if one.model is None else one.model.table
     try:
-        table = servo_model_by_number(one.model_number).table
         for name in _OWN:
             if name in table:
                 bench.to(one.address).read(one.address.servo_id, table[name])
     except PacketError:
         return True
-    except (ValueError, BusTimeoutError, ServoError):
+    except (BusTimeoutError, ServoError):
         return False
     return False
 

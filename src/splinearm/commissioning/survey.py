@@ -8,7 +8,7 @@ from splinearm.errors import BusTimeoutError, PacketError
 
 from .bench import Address, Bench, Found
 from .identify import Match, match
-from .image import ControlImage, known_model, read_image
+from .image import ControlImage, read_image
 from .search import call_at, call_everyone, call_file, factory_baud, rare_rates, usual_rates
 
 
@@ -109,7 +109,7 @@ class Survey:
         mute: list[Found] = []
         for one in found:
             try:
-                if known_model(one) is not None:
+                if one.model is not None:
                     images[one.address] = self._image(one)
                 clear.append(one)
             except PacketError:

@@ -13,9 +13,14 @@ from .image import ControlImage
 ADDRESSING = ("ID", "Baud Rate", "Protocol Type")
 """The registers after which a servo is reached otherwise, in the order in which setup writes."""
 
-
 STARTUP, TORQUE_AT_START = "Startup Configuration", 1
 """The register, and its bit, by which a servo switches its torque on when it gets its power."""
+
+LEVEL, ANSWER_ALL = "Status Return Level", 2
+"""The register that says what a servo answers, and its value for every instruction."""
+
+SECONDARY_ID = "Secondary(Shadow) ID"
+"""The register with a second id that a servo obeys without answering to it."""
 
 
 class Change(NamedTuple):

@@ -8,10 +8,9 @@ from splinearm.drivers.startup import is_coupled
 from splinearm.errors import ServoError
 
 from .image import ControlImage
-from .task import ADDRESSING, STARTUP, TORQUE_AT_START, Change
+from .task import ADDRESSING, ANSWER_ALL, LEVEL, SECONDARY_ID, STARTUP, TORQUE_AT_START, Change
 
-_ANSWER_ALL = 2
-_NO_SECONDARY, _SECONDARY = 253, "Secondary(Shadow) ID"
+_NO_SECONDARY = 253
 _JOINT_MODE = 2
 _RANGE = (("Min Position Limit", "Max Position Limit"), ("CW Angle Limit", "CCW Angle Limit"))
 _STRENGTHS = ("PWM Limit", "Current Limit", "Max Torque")
@@ -39,7 +38,7 @@ def wishes(
         "Baud Rate": servo.servo_model.baud_code(chain.baud),
         "Protocol Type": protocol_of(servo, chain.protocol),
         "Return Delay Time": 0,
-        "Status Return Level": _ANSWER_ALL,
+        LEVEL: ANSWER_ALL,
     }
     if servo.joint is not None:
         wanted |= _of_joint(servo)
@@ -48,9 +47,9 @@ def wishes(
     wanted |= _stronger(image, wanted)
     if STARTUP not in wanted:  # torque comes from who moves the arm, not with the power
         wanted[STARTUP] = (image.value(STARTUP) or 0) & ~TORQUE_AT_START
-    secondary = image.value(_SECONDARY)
-    if secondary is not None and min(secondary, wanted.get(_SECONDARY, 0)) >= _NO_SECONDARY:
-        wanted[_SECONDARY] = secondary  # all of them mean that there is none
+    secondary = image.value(SECONDARY_ID)
+    if secondary is not None and min(secondary, wanted.get(SECONDARY_ID, 0)) >= _NO_SECONDARY:
+        wanted[SECONDARY_ID] = secondary  # all of them mean that there is none
     return {name: value for name, value in wanted.items() if name in table}
 
 
@@ -64,7 +63,7 @@ def changes_of(image: ControlImage, wanted: dict[str, int]) -> tuple[Change, ...
     def order(name: str) -> tuple[int, int]:
         if name in ADDRESSING:
             return 0, ADDRESSING.index(name)
-        return 2 if name == _SECONDARY else 1, table[name].address
+        return 2 if name == SECONDARY_ID else 1, table[name].address
 
     values = {name: image.value(name) for name in sorted(wanted, key=order)}
     return tuple(
@@ -101,7 +100,7 @@ def require_firmware(name: str, image: ControlImage, wanted: dict[str, int]) -> 
 
 def _of_joint(servo: ServoSpec) -> dict[str, int]:
     """Give what decides where a goal sends a joint."""
-    wanted = {_DRIVE: 0, "Control Mode": _JOINT_MODE, _SECONDARY: 255}
+    wanted = {_DRIVE: 0, "Control Mode": _JOINT_MODE, SECONDARY_ID: 255}
     if "Operating Mode" in servo.servo_model.table:
         wanted["Operating Mode"] = operating_mode(servo)
     if not is_coupled(servo):  # a coupled shadow's offset makes up for how it is mounted

@@ -18,7 +18,6 @@ as the arm file has them. The keys of such a file (``schema = "splinearm-calibra
                                 and min_ and max_position_limit (or cw_ and ccw_angle_limit)
 """
 
-import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -35,6 +34,7 @@ from splinearm.errors import ConfigError
 from splinearm.units import DEG
 
 from .cell import Cell
+from .folder import quoted
 from .reader import Table, read_file
 from .servo import register_names
 
@@ -123,13 +123,13 @@ def read_calibration(file: str | PathLike[str]) -> Calibration:
 def calibration_text(calibration: Calibration) -> str:
     """Give a calibration as the text of its file."""
     lines = [
-        f"schema = {_quoted(CALIBRATION_SCHEMA)}",
-        f"arm = {_quoted(calibration.arm)}",
-        f"name = {_quoted(calibration.name)}",
-        f"date = {_quoted(calibration.date.isoformat(timespec='seconds'))}",
+        f"schema = {quoted(CALIBRATION_SCHEMA)}",
+        f"arm = {quoted(calibration.arm)}",
+        f"name = {quoted(calibration.name)}",
+        f"date = {quoted(calibration.date.isoformat(timespec='seconds'))}",
     ]
     if calibration.usb_serial is not None:
-        lines.append(f"usb_serial = {_quoted(calibration.usb_serial)}")
+        lines.append(f"usb_serial = {quoted(calibration.usb_serial)}")
     for servo in calibration.servos:
         lines += ["", *_servo_lines(servo)]
     return "\n".join(lines) + "\n"
@@ -289,16 +289,16 @@ def _read_settings(table: Table, model: ServoModel) -> dict[str, int]:
 def _servo_lines(servo: ServoCalibration) -> list[str]:
     lines = [
         "[[servo]]",
-        f"name = {_quoted(servo.name)}",
+        f"name = {quoted(servo.name)}",
         f"id = {servo.servo_id}",
-        f"model = {_quoted(servo.model)}",
+        f"model = {quoted(servo.model)}",
     ]
     for key in ("zero_ticks", "open_ticks", "closed_ticks"):
         value = getattr(servo, key)
         if value is not None:
             lines.append(f"{key} = {value}")
     if servo.zero_by:
-        lines.append(f"zero_by = {_quoted(servo.zero_by)}")
+        lines.append(f"zero_by = {quoted(servo.zero_by)}")
     if servo.travel is not None:
         low, high = (angle / DEG for angle in servo.travel)
         lines.append(f"travel_deg = [{low:.3f}, {high:.3f}]")
@@ -307,11 +307,6 @@ def _servo_lines(servo: ServoCalibration) -> list[str]:
         names = {r.name: key for key, r in register_names(servo_model(servo.model)).items()}
         lines += [f"{names[name]} = {value}" for name, value in servo.settings.items()]
     return lines
-
-
-def _quoted(text: str) -> str:
-    """Give a text as a basic string of TOML: that of JSON, where DEL must be escaped too."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _line_of(file: Path, key: str) -> int | None:

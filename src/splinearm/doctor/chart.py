@@ -74,7 +74,7 @@ def read_registers(
     wanted = [r for r in table.registers if r.name in names]
     wanted = [r for r in wanted if r.area is Area.EEPROM or r.name in _WANTED]
     values: dict[str, int] = {}
-    for block in _blocks(wanted):
+    for block in blocks(wanted):
         data = _read(bus, servo_id, block[0].address, block[-1].end - block[0].address)
         if data is None and not values:
             return None
@@ -84,8 +84,8 @@ def read_registers(
     return values
 
 
-def _blocks(registers: Sequence[Register]) -> Iterator[list[Register]]:
-    """Give registers in blocks that one read can bring."""
+def blocks(registers: Sequence[Register]) -> Iterator[list[Register]]:
+    """Give registers, by address, in blocks that one read can bring."""
     block: list[Register] = []
     for register in registers:
         if block:

@@ -1,9 +1,7 @@
 """The whole look at a port and the servos on it, step by step."""
 
-import logging
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -18,7 +16,8 @@ from .chart import Chart, read_registers
 from .computer import Computer
 from .diagnosis import Diagnosis
 from .finding import Finding
-from .line_check import check_pulses, check_roll, held_back, model_of, shared_id
+from .line_check import check_pulses, check_roll, held_back, shared_id
+from .model_number import model_of
 from .pace import check_pace, measured_rate, pace_of, traffic_of
 from .place_check import check_places
 from .port_check import check_port, check_silent_port, late_answers, unusable
@@ -34,7 +33,7 @@ from .setting_check import (
     other_model,
     unknown_model,
 )
-from .stethoscope import Stethoscope
+from .stethoscope import Stethoscope, hushed
 
 if TYPE_CHECKING:
     from splinearm.config import Cell
@@ -86,24 +85,12 @@ def diagnose(
     diagnosis = Diagnosis(port, arm)
     if not any(finding.code in _STOPS for finding in findings):
         try:
-            with _hushed():
+            with hushed():  # findings say it better
                 _Look(diagnosis, findings, cell, computer, effort or Effort()).all()
         except PortError as error:
             findings.append(unusable(error))
     diagnosis.findings = in_order(findings)
     return diagnosis
-
-
-@contextmanager
-def _hushed() -> Iterator[None]:
-    """Keep the drivers' warnings back meanwhile: findings say it better."""
-    logger = logging.getLogger("splinearm.drivers")
-    before = logger.level
-    logger.setLevel(logging.ERROR)
-    try:
-        yield
-    finally:
-        logger.setLevel(before)
 
 
 class _Look:

@@ -14,7 +14,7 @@ from .advice import set_register
 from .catalogue import found
 from .chart import Chart
 from .finding import Finding
-from .line_check import model_of
+from .model_number import model_of
 
 _NO_SECONDARY_ID = 253
 _REVERSED = 1

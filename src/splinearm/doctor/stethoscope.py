@@ -1,7 +1,9 @@
 """A bus that only listens: it asks, and nothing that changes a servo can be sent on it."""
 
+import logging
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isnan, nan
 from typing import NoReturn
@@ -11,6 +13,7 @@ from splinearm.drivers.dialect import DIALECTS
 from splinearm.drivers.dynamixel import DynamixelBus
 from splinearm.drivers.packets import Instruction, Packet
 from splinearm.drivers.registers import Register
+from splinearm.errors import PortError
 
 MARGIN = 0.05
 """How long an answer may be late and still count as one, s: adapters and computers pause."""
@@ -141,6 +144,23 @@ class Stethoscope(DynamixelBus):
     ) -> NoReturn:
         """Refuse."""
         _refuse()
+
+
+def lacks_rate(error: PortError, baud: int) -> bool:
+    """Say whether an error says only that a port does not have a rate."""
+    return f"at {baud} baud" in error.reason
+
+
+@contextmanager
+def hushed() -> Iterator[None]:
+    """Keep back the drivers' warnings of slow adapters, which come at every rate."""
+    logger = logging.getLogger("splinearm.drivers")
+    before = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        logger.setLevel(before)
 
 
 def _refuse() -> NoReturn:
