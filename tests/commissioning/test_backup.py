@@ -1,15 +1,10 @@
 """Backups: every byte of the table in a file, and the EEPROM from it back."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from memory_line import Helper, KilledError, MemoryLine, load_cell, set_up
 
 from splinearm.commissioning.backup import backup_file, read_backup, write_backup
@@ -162,6 +157,27 @@ def test_any_eeprom_is_kept_and_restored_byte_for_byte(tmp_path_factory, data):
     assert eeprom(line)["shoulder_lift"] == before["shoulder_lift"]
 
 
+def test_whatever_an_arm_and_a_port_are_called_is_read_again(tmp_path):
+    line = ready()
+    saved = saved_in(line, tmp_path / "a.toml").backup
+    for name in ('of "mine"\x07', "a\\b\x7f\n", "\N{MECHANICAL ARM} \u00fc"):
+        write_backup(tmp_path / "b.toml", replace(saved, arm=name, port=name))
+        read = read_backup(tmp_path / "b.toml")
+        assert (read.arm, read.port) == (name, name)
+
+
+def test_who_is_stopped_in_the_middle_knows_where_the_servos_are_kept_as_they_were(tmp_path):
+    line = ready()
+    saved_in(line, tmp_path / "a.toml")
+    spoil(line)
+    line.kill_at = line.writes
+    person = Helper(line)
+    with pytest.raises(KilledError):
+        restored(line, tmp_path / "a.toml", person)
+    (words,) = person.told
+    assert read_backup(words.removeprefix("the servos as they were: ")).arm == KOCH.name
+
+
 def test_without_a_yes_nothing_is_restored(tmp_path):
     line = ready()
     saved_in(line, tmp_path / "a.toml")
@@ -180,6 +196,16 @@ def test_who_is_not_there_is_named(tmp_path):
         restored(line, tmp_path / "a.toml")
     with pytest.raises(ConfigError, match="'nose' is not one of shoulder_pan"):
         restored(line, tmp_path / "a.toml", only=["nose"])
+
+
+def test_a_servo_that_is_another_of_the_backup_is_not_taken_for_the_one_that_is_missing(tmp_path):
+    line = ready()
+    saved_in(line, tmp_path / "a.toml")
+    line.connect("shoulder_pan")  # of the same model
+    writes = line.writes
+    with pytest.raises(ServoError, match=r"servo 2 \(shoulder_lift\): no XL430-W250"):
+        restored(line, tmp_path / "a.toml", only=["shoulder_lift"])
+    assert line.writes == writes
 
 
 def test_whoever_answers_is_saved_without_an_arm_too():
@@ -231,6 +257,7 @@ def test_a_backup_s_name_says_arm_and_port_and_is_never_taken_twice():
         ("id = 1\n", "id = 7\n", "has no EEPROM with the ID 7"),
         ("firmware = 53", "firmwar = 53", "firmware: is missing"),
         ('area = "EEPROM"', 'area = "ROM"', "area: wants one of"),
+        ("address = 0\n", "address = 10\n", "has no bytes of ID, Baud Rate.*was the file cut off"),
     ],
 )
 def test_a_file_that_is_no_backup_is_refused(tmp_path, old, new, words):

@@ -1,15 +1,10 @@
 """Setup on servos in memory: from any state to the same end, whoever stops it and where."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from memory_line import Helper, KilledError, checked, load_cell, set_up
 from setup_scenes import KOCH, SCENES, disordered, fresh, ready, with_registers
 
@@ -23,7 +18,7 @@ from splinearm.errors import BusTimeoutError, ServoError
 from splinearm.sim.shaft import Shaft
 from splinearm.sim.virtual_servo import VirtualServo
 
-LONG = ("disordered", "half fresh", "planar")
+LONG = ("disordered", "half fresh", "fresh")
 """Of those every place to be killed at is for the long run."""
 
 
@@ -316,6 +311,19 @@ def test_a_servo_that_answers_pings_alone_is_let_answer_after_a_yes():
     set_up(line, KOCH, person)
     assert person.asked[0].endswith("set that to 2, so that it can be read?")
     assert line.servos["elbow_flex"].memory["Return Delay Time"] == 0
+
+
+def test_a_servo_that_never_stays_as_it_was_set_is_named():
+    line = with_registers(KOCH, elbow_flex=(("Return Delay Time", 9),))
+    person = Helper(line)
+
+    def spoil(words):
+        if words.startswith("elbow_flex: done"):
+            line.servos["elbow_flex"].memory["Return Delay Time"] = 9
+
+    person.tell = spoil
+    with pytest.raises(ServoError, match=r"servo 3 \(elbow_flex\): it is otherwise each time"):
+        set_up(line, KOCH, person)
 
 
 def test_a_locked_eeprom_is_told():

@@ -49,12 +49,12 @@ def run(args: argparse.Namespace) -> int:
     from splinearm.commissioning.person import DeclinedError
     from splinearm.commissioning.restore import restore
 
-    from .setup_person import TerminalPerson, console_for
+    from .setup_person import TerminalPerson, console_for, counted
 
     backup = read_backup(args.file)
     console = console_for(as_json=args.json)
     port = port_of(args, None, announce=lambda words: console.print(words, markup=False))
-    said = f"{len(backup.servos)} servos of {backup.arm or 'no named arm'}"
+    said = f"{counted(len(backup.servos), 'servo')} of {backup.arm or 'no named arm'}"
     console.print(f"{args.file}: {said}, {backup.time}, {backup.port}", markup=False)
     person = TerminalPerson(console, yes=args.yes, release=args.release)
     try:
@@ -68,9 +68,7 @@ def run(args: argparse.Namespace) -> int:
     else:
         for note in report.notes:
             console.print(note, markup=False, highlight=False)
-        if report.backup is not None:
-            person.tell(f"as they were before this: {report.backup}")
-        else:
+        if report.backup is None:
             console.print("the servos are as in the file; there is nothing to write")
     return 0
 

@@ -93,9 +93,6 @@ def run(args: argparse.Namespace) -> int:
         except DeclinedError as declined:
             report = setup.report
             report.left.append(str(declined))
-        finally:
-            if setup.report.backup is not None:
-                person.tell(f"the servos as they were: {setup.report.backup}")
     if args.json:
         print(json.dumps(document(report, cell, port), indent=2))
     else:
@@ -166,7 +163,7 @@ def servo_document(task: "Task") -> dict[str, Any]:
 def _show(args: argparse.Namespace, report: "SessionReport", cell: "Cell") -> None:
     """Say how it ended."""
     from .output import console
-    from .setup_person import show_task
+    from .setup_person import counted, show_task
 
     for task in report.tasks if args.check else ():
         if not task.is_done:
@@ -178,14 +175,11 @@ def _show(args: argparse.Namespace, report: "SessionReport", cell: "Cell") -> No
         for words in report.left:
             console.print(f"  {words}", markup=False, highlight=False)
         if args.check:
-            port = "" if args.port is None else f" --port {args.port}"
-            console.print(
-                f"`splinearm setup {args.arm}{port}` does it", markup=False, highlight=False
-            )
+            again = f"`splinearm setup {args.arm}{_port_words(args)}` does it"
+            console.print(again, markup=False, highlight=False)
     else:
         count = report.written
-        registers = f"{count} register" + ("s" if count > 1 else "")
-        done = f"{registers} written" if count else "there is nothing to write"
+        done = f"{counted(count, 'register')} written" if count else "there is nothing to write"
         next_one = _next(args, cell)
         console.print(
             f"all servos are set up; {done}. Next: `{next_one}`", markup=False, highlight=False

@@ -14,8 +14,13 @@ if TYPE_CHECKING:
     from splinearm.drivers.chain import ServoSpec
 
 
-_NARROW = 70
+NARROW = 70
 """Columns that a table of registers needs."""
+
+
+def counted(count: int, noun: str) -> str:
+    """Give how many there are of something, as in "2 servos"."""
+    return f"{count} {noun}" + ("" if count == 1 else "s")
 
 
 def console_for(*, as_json: bool) -> "Console":
@@ -51,8 +56,8 @@ class TerminalPerson:
         self._release = release
 
     def tell(self, words: str) -> None:
-        """Show a line."""
-        self._console.print(words, markup=False, highlight=False)
+        """Show a line, so that files and commands in it can be copied."""
+        self._console.print(words, markup=False, highlight=False, soft_wrap=True)
 
     def agrees(self, tasks: "Sequence[Task]") -> bool:
         """Show every register that would be written, and ask."""
@@ -61,9 +66,8 @@ class TerminalPerson:
         if self._yes:
             return True
         count = sum(len(task.changes) for task in tasks)
-        servos = f"{len(tasks)} servo" + ("s" if len(tasks) > 1 else "")
-        registers = f"{count} register" + ("s" if count > 1 else "")
-        what = f"Write {registers} into {servos}" if count else f"Reboot {servos}"
+        servos = counted(len(tasks), "servo")
+        what = f"Write {counted(count, 'register')} into {servos}" if count else f"Reboot {servos}"
         return self._asks(f"{what}? The tables as they are now are kept in a file first.")
 
     def allows(self, words: str) -> bool:
@@ -128,7 +132,7 @@ def show_task(console: "Console", task: "Task") -> None:
         for change in task.changes
     ]
     rows += [("Hardware Error Status", "", error, "rebooted") for error in task.errors]
-    if console.width < _NARROW:  # no column of a table may be lost
+    if console.width < NARROW:  # no column of a table may be lost
         console.print(title, markup=False, highlight=False)
         for name, _, old, new in rows:
             console.print(f"  {name}: {old} -> {new}", markup=False, highlight=False)

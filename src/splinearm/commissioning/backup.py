@@ -16,14 +16,14 @@ from datetime import UTC, datetime
 from os import PathLike
 from pathlib import Path
 
-from splinearm.config.folder import user_folder, write_whole
+from splinearm.config.folder import quoted, user_folder, write_whole
 from splinearm.config.reader import Table, read_file
 from splinearm.drivers.chain import MAX_SERVO_ID
 from splinearm.drivers.model import servo_model, servo_models
 from splinearm.drivers.registers import Area
 
 from .bench import Address, Found
-from .image import Block, ControlImage
+from .image import Block, ControlImage, kept
 
 BACKUP_SCHEMA = "splinearm-backup/1"
 """What a backup says it is."""
@@ -79,10 +79,10 @@ def write_backup(file: Path, backup: Backup) -> None:
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     lines = [
         "# Control tables of servos as they were; `splinearm restore FILE` writes the EEPROM back.",
-        f"schema = {_quoted(BACKUP_SCHEMA)}",
-        f"arm = {_quoted(backup.arm)}",
-        f"port = {_quoted(backup.port)}",
-        f"time = {_quoted(now)}",
+        f"schema = {quoted(BACKUP_SCHEMA)}",
+        f"arm = {quoted(backup.arm)}",
+        f"port = {quoted(backup.port)}",
+        f"time = {quoted(now)}",
     ]
     for servo in backup.servos:
         lines += _servo_lines(servo)
@@ -110,9 +110,9 @@ def read_backup(file: str | PathLike[str]) -> Backup:
 
 def _servo_lines(servo: SavedServo) -> list[str]:
     image, address = servo.image, servo.image.address
-    lines = ["", "[[servo]]", f"name = {_quoted(servo.name)}", *_address_lines(address)]
+    lines = ["", "[[servo]]", f"name = {quoted(servo.name)}", *_address_lines(address)]
     lines += [
-        f"model = {_quoted(image.model.name)}",
+        f"model = {quoted(image.model.name)}",
         f"model_number = {image.found.model_number}",
         f"firmware = {image.found.firmware}",
     ]
@@ -148,6 +148,9 @@ def _read_servo(table: Table) -> SavedServo:
     blocks = tuple(_read_block(block) for block in table.tables("block"))
     table.finish()
     image = ControlImage(found=Found(address, number, firmware), model=model, blocks=blocks)
+    lacking = [r.name for r in kept(model.table) if image.value(r.name) is None]
+    if lacking:
+        raise table.refuse("block", f"has no bytes of {', '.join(lacking)}: was the file cut off?")
     if image.value("ID") != address.servo_id:
         raise table.refuse("block", f"has no EEPROM with the ID {address.servo_id}")
     return SavedServo(name, image, then)
@@ -179,10 +182,3 @@ def _read_block(table: Table) -> Block:
 def _plain(text: str) -> str:
     """Give a text as a part of a file's name."""
     return re.sub(r"[^A-Za-z0-9._-]+", "_", text).strip("._")
-
-
-def _quoted(text: str) -> str:
-    """Give a text as TOML."""
-    safe = "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in text)
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"') if safe == text else safe
-    return f'"{escaped}"'

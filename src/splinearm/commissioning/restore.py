@@ -15,13 +15,11 @@ from splinearm.errors import ConfigError, ServoError
 
 from .backup import Backup, SavedServo
 from .bench import Address, Bench, Found
-from .image import ControlImage, kept, known_model, read_image
+from .image import ControlImage, kept, read_image
 from .person import Person
 from .search import call_at, call_everyone
 from .session import Session, SessionReport
-from .task import ADDRESSING, STARTUP, Change, Task
-
-_SECONDARY = "Secondary(Shadow) ID"
+from .task import ADDRESSING, SECONDARY_ID, STARTUP, Change, Task
 
 
 def restore(
@@ -45,8 +43,9 @@ def restore(
     saved = _chosen(backup, only)
     session = Session(bench, person, backup.arm)
     found = _everyone(bench, saved)
-    who = _who_is_who(saved, found, bench)
-    images = {one.address: read_image(bench, one) for one in found if known_model(one)}
+    others = [one for one in backup.servos if one not in saved]
+    who = _who_is_who(saved, others, found, bench)
+    images = {one.address: read_image(bench, one) for one in found if one.model}
     tasks = [_task(bench, one, images[who[one.name].address]) for one in saved]
     todo = [task for task in tasks if not task.is_done]
     if todo:
@@ -69,7 +68,7 @@ def differences(saved: ControlImage, now: ControlImage) -> tuple[Change, ...]:
     def order(register_name: str) -> tuple[int, int]:
         if register_name in ADDRESSING:
             return 2, ADDRESSING.index(register_name)
-        return int(register_name == _SECONDARY), table[register_name].address
+        return int(register_name == SECONDARY_ID), table[register_name].address
 
     was, have = saved.settings(), now.settings()
     return tuple(
@@ -117,9 +116,18 @@ def _everyone(bench: Bench, saved: Sequence[SavedServo]) -> tuple[Found, ...]:
 
 
 def _who_is_who(
-    saved: Sequence[SavedServo], found: Iterable[Found], bench: Bench
+    saved: Sequence[SavedServo],
+    others: Sequence[SavedServo],
+    found: Iterable[Found],
+    bench: Bench,
 ) -> dict[str, Found]:
     """Give by name who each servo is.
+
+    Args:
+        saved: The servos to restore.
+        others: The others of the backup, which must not be taken for one of them.
+        found: Who answers.
+        bench: The line.
 
     Raises:
         ServoError: If one is not there, or another model is in its place.
@@ -135,7 +143,8 @@ def _who_is_who(
                 left.remove(able[0])
     missing = [one for one in saved if one.name not in who]
     if len(missing) == 1:
-        able = [f for f in left if f.model_number == missing[0].image.model.number]
+        free = [f for f in left if not any(_is_home(other, f) for other in others)]
+        able = [f for f in free if f.model_number == missing[0].image.model.number]
         if len(able) == 1:
             who[missing[0].name] = able[0]
             return who
@@ -156,6 +165,12 @@ def _is_then(one: SavedServo, found: Found) -> bool:
 
 def _is_there(one: SavedServo, found: Found) -> bool:
     return found.address == one.image.address
+
+
+def _is_home(one: SavedServo, found: Found) -> bool:
+    """Tell whether a servo of that model answers where one was last."""
+    same = found.model_number == one.image.model.number
+    return same and found.address == (one.then or one.image.address)
 
 
 def _has_its_id(one: SavedServo, found: Found) -> bool:
@@ -186,7 +201,7 @@ def _require_possible(saved: SavedServo, change: Change) -> None:
     allowed = _allowed(register, model)
     if allowed is None or change.new in allowed or change.new == register.initial:
         return
-    if register.name == _SECONDARY and change.new >= MAX_SERVO_ID:
+    if register.name == SECONDARY_ID and change.new >= MAX_SERVO_ID:
         return  # all of them mean that there is none
     words = f"{allowed[0]} to {allowed[-1]}"
     if not isinstance(allowed, range):

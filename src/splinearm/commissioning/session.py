@@ -9,15 +9,14 @@ from splinearm.errors import BusTimeoutError, ServoError
 
 from .backup import Backup, SavedServo, backup_file, write_backup
 from .bench import Address, Bench, Found
-from .image import ControlImage, known_model
+from .image import ControlImage
 from .person import DeclinedError, Person
 from .search import call_at
-from .task import Task
+from .task import ANSWER_ALL, LEVEL, Task
 from .writing import Writer
 
 ERRORS = "Hardware Error Status"
 """The register that says which hardware errors are latched."""
-_LEVEL, _ANSWER_ALL = "Status Return Level", 2
 
 
 @dataclass(slots=True, eq=False, kw_only=True)
@@ -62,10 +61,9 @@ class Session:
 
     def let_answer(self, one: Found) -> None:
         """Make a servo answer that answers pings alone; one that has gone is no error."""
-        model = known_model(one)
-        if model is not None:
+        if one.model is not None:
             with suppress(BusTimeoutError):
-                self.writer.let_answer(one.address, model.table[_LEVEL])
+                self.writer.let_answer(one.address, one.model.table[LEVEL])
 
     def carry_out(
         self,
@@ -148,6 +146,8 @@ class Session:
                 self._saved.append(SavedServo(task.name, task.image, then[-1] if then else None))
         backup = Backup(arm=self._arm, port=self._bench.port, servos=tuple(self._saved))
         write_backup(file, backup)
+        if self.report.backup is None:
+            self._person.tell(f"the servos as they were: {file}")
         self.report.backup = file
 
     def _open_up(self, task: Task) -> None:
@@ -159,8 +159,8 @@ class Session:
                 "its EEPROM is locked (Lock is 1): switch its power off and on, then start again",
                 name=task.name,
             )
-        if image.value(_LEVEL) not in (None, _ANSWER_ALL):
-            self.writer.let_answer(address, image.model.table[_LEVEL])
+        if image.value(LEVEL) not in (None, ANSWER_ALL):
+            self.writer.let_answer(address, image.model.table[LEVEL])
         if task.has_torque:
             self.writer.write(address, image.model.table["Torque Enable"], 0)
 

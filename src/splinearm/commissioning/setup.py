@@ -9,14 +9,14 @@ from collections.abc import Sequence
 from math import isinf
 
 from splinearm.config import Cell
+from splinearm.doctor.roll import FACTORY_ID
 from splinearm.drivers.chain import ServoChain, ServoRole, ServoSpec
 from splinearm.errors import BusTimeoutError, ServoError
 
 from .bench import Address, Bench, Found
-from .identify import name_of
 from .image import ControlImage
 from .person import DeclinedError, Person
-from .search import FACTORY_ID, call_file, factory_baud
+from .search import call_file, factory_baud
 from .session import ERRORS, Session, SessionReport
 from .survey import Look, Survey
 from .task import Change, Task, in_words
@@ -30,8 +30,6 @@ _POLL = 0.2  # s
 _WIDE_EVERY = 6
 """How many quick looks are taken to one at all rates."""
 _ROUNDS = 3
-
-_LEVEL = "Status Return Level"
 
 
 class Setup:
@@ -78,7 +76,7 @@ class Setup:
         Raises:
             BusError: If the port is gone, or a servo is of another model than the file says.
         """
-        look = self._everywhere()
+        look = self._survey.everywhere()
         report = self.report
         report.left += [
             f"{address}: answers are damaged each time, as if two servos had this id (fresh out of "
@@ -101,7 +99,7 @@ class Setup:
             DeclinedError: If the person does not agree to something.
             BusError: If a servo does not do as it is told, or is none of this arm.
         """
-        look = self._give_voice(self._everywhere())
+        look = self._give_voice(self._survey.everywhere())
         self._note_strangers(look)
         self._do(look, self._tasks(look))
         if any(not self._is_fresh(address) for address in look.garbled):
@@ -112,10 +110,6 @@ class Setup:
                 look = self._survey.near(alone=True)
         self._gather()
         return self._session.closed()
-
-    def _everywhere(self) -> Look:
-        """See who is there."""
-        return self._survey.everywhere()
 
     def _tasks(self, look: Look) -> list[Task]:
         """Say what is to be done to the servos that are known."""
@@ -155,7 +149,7 @@ class Setup:
             if not self._person.allows(f"{_mute(one)}; set that to 2, so that it can be read?"):
                 raise DeclinedError("a servo that cannot be read cannot be set up; nothing written")
             self._session.let_answer(one)
-        return self._everywhere() if look.mute else look
+        return self._survey.everywhere() if look.mute else look
 
     def _do(self, look: Look, tasks: Sequence[Task]) -> None:
         """Carry out what is to be done to servos that are known."""
@@ -190,7 +184,7 @@ class Setup:
             spare = free_id(taken, reserved)
             taken.add(address._replace(servo_id=spare))
             change = Change(image.model.table["ID"], address.servo_id, spare)
-            name = f"{name_of(image.found)} ({address}), in the way"
+            name = f"{image.found.model_words} ({address}), in the way"
             parked.append(Task(name=name, image=image, changes=(change,)))
         return parked
 
@@ -251,10 +245,8 @@ class Setup:
                 f"{len(right)} servos are there that may be {servo.name} ({where}): leave only it"
             )
         elif not right and unknown:
-            self._tell_once(
-                f"a {name_of(unknown[0])} is there ({unknown[0].address}); servo {servo.name} is a "
-                f"{servo.model}"
-            )
+            there = f"a {unknown[0].model_words} is there ({unknown[0].address})"
+            self._tell_once(f"{there}; servo {servo.name} is a {servo.model}")
         return right[0] if len(right) == 1 and not look.garbled else None
 
     def _gather(self) -> None:
@@ -262,9 +254,11 @@ class Setup:
 
         Raises:
             BusTimeoutError: If not all are connected in time.
+            ServoError: If one is otherwise each time.
         """
         until = self._bench.clock() + self._patience
         asked = False
+        odd: Sequence[ServoSpec] = ()
         for _ in range(_ROUNDS):
             while len(call_file(self._bench, self._chain).found) < len(self._chain.servos):
                 look = self._survey.near()
@@ -279,12 +273,15 @@ class Setup:
                     raise BusTimeoutError(one.servo_id, port=self._bench.port, name=one.name)
                 if absent:
                     self._bench.sleep(_POLL)
-            look = self._everywhere()
+            look = self._survey.everywhere()
             tasks = self._tasks(look)
-            if not look.match.missing and all(task.is_done for task in tasks):
+            undone = (self._chain.servo(task.name) for task in tasks if not task.is_done)
+            odd = [*look.match.missing, *undone]
+            if not odd:
                 return
             self._do(look, tasks)
-        raise ServoError(0, "the servos are otherwise each time one looks: check the cables")
+        reason = "it is otherwise each time one looks: check its cables"
+        raise ServoError(odd[0].servo_id, reason, name=odd[0].name)
 
     def _note_strangers(self, look: Look) -> None:
         for one in look.match.strangers:
@@ -307,7 +304,7 @@ def _shared(address: Address) -> str:
 
 
 def _mute(one: Found) -> str:
-    return f"{one.address}: a {name_of(one)} answers pings alone (Status Return Level)"
+    return f"{one.address}: a {one.model_words} answers pings alone (Status Return Level)"
 
 
 def _missing(servo: ServoSpec, look: Look) -> str:
@@ -319,4 +316,4 @@ def _missing(servo: ServoSpec, look: Look) -> str:
 
 
 def _stranger(one: Found) -> str:
-    return f"{one.address}: a {name_of(one)} that the arm's file does not name; it is left alone"
+    return f"{one.address}: a {one.model_words} that the arm's file does not name; it is left alone"

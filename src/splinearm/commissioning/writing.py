@@ -13,12 +13,11 @@ from splinearm.errors import BusError, BusTimeoutError, PacketError, PortError, 
 
 from .bench import Address, Bench, Found
 from .image import ControlImage, read_image
-from .task import Change, Task, moved
+from .task import ANSWER_ALL, Change, Task, moved
 
 _TRIES = 3
 _BOOT_TIMEOUT, _PAUSE = 3.0, 0.05  # s
 _SETTLED = 0.15  # s: after that time a servo has looked at its supply and temperature again
-_LEVEL, _ANSWER_ALL = "Status Return Level", 2
 
 
 class Writer:
@@ -41,7 +40,7 @@ class Writer:
         """
         bus = self._bench.to(address)
         self.count += 1
-        bus.sync_write(GroupWrite([(address.servo_id, register)]), [_ANSWER_ALL])
+        bus.sync_write(GroupWrite([(address.servo_id, register)]), [ANSWER_ALL])
         bus.read(address.servo_id, register)
 
     def write(self, address: Address, register: Register, value: int) -> None:
@@ -227,7 +226,7 @@ def free_id(taken: Iterable[Address], reserved: Iterable[int]) -> int:
     for servo_id in range(1, MAX_SERVO_ID + 1):
         if servo_id not in used:
             return servo_id
-    raise ServoError(MAX_SERVO_ID, "no id is free")
+    raise ServoError(MAX_SERVO_ID, "no id is free: disconnect servos that are not of the arm")
 
 
 def _blocked(task: Task, here: Address, taken: set[Address]) -> bool:
