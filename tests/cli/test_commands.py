@@ -101,35 +101,6 @@ def _start(*words, **more):
     )
 
 
-@pytest.mark.bus
-def test_the_virtual_bus_prints_its_port_and_scan_finds_its_servos(cli):
-    bus = _start("virtual-bus", "koch_v1_1")
-    try:
-        port = bus.stdout.readline().removeprefix("port: ").strip()
-        assert cli("scan", port, "--baud", "1000000") == DONE
-        for servo_id in range(1, 7):
-            assert re.search(rf"\b{servo_id}\b", cli.out)
-        assert "XL330-M288" in cli.out
-        assert "XL430-W250" in cli.out
-    finally:
-        bus.send_signal(signal.SIGINT)
-        _, complaint = bus.communicate(timeout=20)
-    assert bus.returncode == DONE
-    assert complaint == ""
-
-
-@pytest.mark.bus
-def test_a_scan_that_finds_nothing_says_what_to_try(cli):
-    bus = _start("virtual-bus", "planar_2r")
-    try:
-        port = bus.stdout.readline().removeprefix("port: ").strip()
-        assert cli("scan", port, "--baud", "57600") == 2
-        assert "no servo answers" in cli.out
-    finally:
-        bus.terminate()
-        bus.communicate(timeout=20)
-
-
 @pytest.mark.sim
 @pytest.mark.parametrize(
     "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]

@@ -164,9 +164,18 @@ def test_a_scan_is_for_programs_too_and_tells_servos_fresh_from_the_box(disorder
     }
 
 
+def test_a_scan_that_finds_nobody_says_what_to_try(disordered, cli):
+    assert cli("scan", disordered.port, "--baud", "4000000") == 2
+    assert "no servo answers" in cli.out
+    assert "try another rate with --baud" in cli.out
+
+
 def test_bad_words_end_in_one_line(cli, tmp_path):
     assert cli("setup", "nobody", "--check") == 2
     assert len(cli.err.splitlines()) == 1
+    for rate in ("0", "-57600"):
+        assert cli("scan", "/dev/null", "--baud", "1000000", "--baud", rate) == 2
+        assert f"--baud: no servo has {rate}; choose one of 9600, " in cli.err
     cli.write("b.toml", 'schema = "splinearm-job/1"\n')
     assert cli("restore", "b.toml", "--port", "/dev/null", "--yes") == 2
     assert "splinearm-backup/1" in cli.err

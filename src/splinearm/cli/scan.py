@@ -5,15 +5,16 @@ import json
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from splinearm.commissioning.bench import Bench
     from splinearm.commissioning.search import Presence
 
-_BAUDS = (57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000)
-"""Rates at which servos are usually found."""
 _SCHEMA = "splinearm-scan/1"
 
 _CODES = """A scan ends when the line is quiet: after 40 ids in a row without a servo. Only if
-nobody answers at any rate all ids are waited for.
+nobody answers at any rate every id is waited for, which takes a while: a servo's turn to answer
+comes by its id, one after the other.
 
 exit codes: 0 servos were found; 1 some share an id; 2 no servo answers, or there is no such port"""
 
@@ -32,7 +33,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "--baud",
         type=int,
         action="append",
-        help=f"a baud rate to try; may be given again (default: {', '.join(map(str, _BAUDS))})",
+        help="a baud rate to try; may be given again (default: the usual ones, 57600 to 4000000)",
     )
     parser.add_argument("--json", action="store_true", help="print it for programs")
     parser.set_defaults(run=run)
@@ -44,13 +45,15 @@ def run(args: argparse.Namespace) -> int:
 
     from .setup_person import console_for
 
-    bauds = tuple(args.baud) if args.baud else _BAUDS
+    bauds = _rates(args.baud)
     console = console_for(as_json=args.json)
     with (
-        console.status(f"scanning {args.port} ..."),
+        console.status(f"scanning {args.port} ...") as status,
         Bench(args.port, margin=QUICK_MARGIN) as bench,
     ):
-        presence = _search(bench, bauds)
+        for baud in args.baud or ():
+            bench.at(baud)  # the search passes over rates that a port does not have
+        presence = _search(bench, bauds, status.update)
     if args.json:
         print(json.dumps(_document(args.port, presence), indent=2))
     else:
@@ -60,7 +63,27 @@ def run(args: argparse.Namespace) -> int:
     return 0 if presence.found else 2
 
 
-def _search(bench: "Bench", bauds: tuple[int, ...]) -> "Presence":
+def _rates(wanted: list[int] | None) -> tuple[int, ...]:
+    """Give the rates to try.
+
+    Raises:
+        ConfigError: If no servo has one of them, with those that servos have.
+    """
+    from splinearm.commissioning.search import rare_rates, usual_rates
+    from splinearm.errors import ConfigError
+
+    usual = usual_rates(None)
+    if wanted is None:
+        return usual
+    known = sorted({*usual, *rare_rates(None)})
+    for baud in wanted:
+        if baud not in known:
+            names = ", ".join(map(str, known))
+            raise ConfigError("--baud", "", f"no servo has {baud}; choose one of {names}")
+    return tuple(wanted)
+
+
+def _search(bench: "Bench", bauds: tuple[int, ...], tell: "Callable[[str], None]") -> "Presence":
     """Find who is there; at last those with ids far from any other."""
     from splinearm.commissioning.search import call_everyone, without_twins
     from splinearm.drivers.chain import MAX_SERVO_ID
@@ -68,18 +91,17 @@ def _search(bench: "Bench", bauds: tuple[int, ...]) -> "Presence":
     presence = without_twins(bench, call_everyone(bench, None, bauds))
     if presence.found or presence.garbled:
         return presence
+    tell(f"nobody with a low id on {bench.port}; asking every id at every rate ...")
     return call_everyone(bench, None, bauds, quiet_slots=MAX_SERVO_ID)
 
 
 def _show(port: str, presence: "Presence", bauds: tuple[int, ...]) -> None:
-    from splinearm.commissioning.identify import name_of
-
     from .output import console, table
 
     rows = [
         (
             str(one.address.servo_id),
-            name_of(one),
+            one.model_words,
             str(one.firmware),
             str(one.address.baud),
             f"{one.address.protocol}.0",
@@ -105,15 +127,13 @@ def _show(port: str, presence: "Presence", bauds: tuple[int, ...]) -> None:
 
 
 def _document(port: str, presence: "Presence") -> dict[str, Any]:
-    from splinearm.commissioning.identify import name_of
-
     return {
         "schema": _SCHEMA,
         "port": port,
         "servos": [
             {
                 "id": one.address.servo_id,
-                "model": name_of(one),
+                "model": one.model_words,
                 "model_number": one.model_number,
                 "firmware": one.firmware,
                 "baud": one.address.baud,
