@@ -8,6 +8,8 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from splinearm.errors import ConfigError
+
 if TYPE_CHECKING:
     from splinearm.control.stop import StopRequest
     from splinearm.sim.line_fault import LineFault
@@ -67,7 +69,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument(
         "--fault",
         action="append",
-        type=_fault,
+        type=_fault_word,
         default=[],
         help='what goes wrong, as in "lost id=3 p=0.01"; may be given often',
     )
@@ -90,6 +92,7 @@ def run(args: argparse.Namespace) -> int:
 
     from .words import start_of
 
+    _check(args)
     cell = load_cell(args.arm)
     q_start = start_of(cell, args.pose, args.start_deg)
     bus = VirtualBus(
@@ -114,6 +117,19 @@ def run(args: argparse.Namespace) -> int:
         while not stop.requested:
             time.sleep(0.05)
     return 0
+
+
+def _check(args: argparse.Namespace) -> None:
+    """Refuse what no bus can have.
+
+    Raises:
+        ConfigError: With the word and what came.
+    """
+    latency = args.usb_latency_ms
+    if not 0.0 <= latency <= 1000.0:
+        raise ConfigError("--usb-latency-ms", "", f"wants 0 to 1000 ms, got {latency:g}")
+    if args.link is not None and args.link.exists() and not args.link.is_symlink():
+        raise ConfigError("--link", "", f"{args.link} is there and is no link; take another name")
 
 
 def _listen(bus: "VirtualBus", stop: "StopRequest", args: argparse.Namespace) -> None:
@@ -159,3 +175,11 @@ def _fault(text: str) -> "LineFault":
     from splinearm.sim.line_fault import LineFault
 
     return LineFault.parse(text)
+
+
+def _fault_word(text: str) -> "LineFault":
+    """Read a fault of the command line, where only one kind of error is told in its own words."""
+    try:
+        return _fault(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
