@@ -76,6 +76,11 @@ def test_a_process_that_holds_a_real_port_is_named(terminal):
     assert f"kill {process.pid}" in finding.remedy
 
 
+def test_a_device_that_is_no_serial_port_is_told_whoever_has_it_open():
+    (finding,) = check_port(Computer(), "/dev/null")
+    assert finding.code == "P07"
+
+
 def test_this_process_and_who_serves_a_terminal_are_no_holders(terminal):
     assert list(check_port(Computer(), terminal)) == []
     assert holders(Computer(), device_of(terminal)) == ()
@@ -101,8 +106,7 @@ def test_adapters_are_listed_by_the_names_that_they_keep(fake):
 
 
 def test_the_facts_of_this_computer_are_true():
-    assert device_of("/dev/null").is_terminal
-    assert not device_of("/").is_terminal
+    assert not any(device_of(port).is_terminal for port in ("/dev/null", "/"))
     assert device_of("/dev/nonsense") is None
     assert place_of_module("json").endswith("__init__.py")
     assert place_of_module("no_such_module") is None

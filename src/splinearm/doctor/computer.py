@@ -23,7 +23,7 @@ class Device:
     path: str
     """The device itself, links followed."""
     is_terminal: bool
-    """Whether it is a character device, as serial ports are."""
+    """Whether it is a serial port or a pseudo terminal."""
     group: str = ""
     """The group that owns it."""
     group_may: bool = False
@@ -42,8 +42,16 @@ def device_of(port: str) -> Device | None:
     except KeyError:
         group = str(facts.st_gid)
     may = facts.st_mode & (stat.S_IRGRP | stat.S_IWGRP) == stat.S_IRGRP | stat.S_IWGRP
-    terminal = stat.S_ISCHR(facts.st_mode)
-    return Device(path=path, is_terminal=terminal, group=group, group_may=may)
+    return Device(path=path, is_terminal=_is_terminal(facts), group=group, group_may=may)
+
+
+def _is_terminal(facts: os.stat_result) -> bool:
+    """Tell a serial port, or the end of a pseudo terminal, from other devices."""
+    if not stat.S_ISCHR(facts.st_mode):
+        return False
+    number = f"{os.major(facts.st_rdev)}:{os.minor(facts.st_rdev)}"
+    place = Path(os.path.realpath(f"/sys/dev/char/{number}"))
+    return not place.exists() or place.parent.name == "tty"  # it names no pseudo terminals
 
 
 def may_use(port: str) -> bool:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from splinearm.errors import BusTimeoutError, PacketError, PortError, SplinearmError
 
-from .computer import Computer
 from .finding import Finding, Severity
 
 if TYPE_CHECKING:
@@ -33,7 +32,6 @@ def explained(
     port: str | None = None,
     arm: str | None = None,
     job: str | None = None,
-    computer: Computer | None = None,
 ) -> str:
     """Give an error in one line, with its cause and what mends it where a look tells.
 
@@ -42,7 +40,6 @@ def explained(
         port: The port that the command was told, if the error names none.
         arm: The arm that the command was told.
         job: The job that it was told, which names an arm too.
-        computer: Where facts about this computer come from; None: this computer.
     """
     port = getattr(error, "port", "") or port
     if not isinstance(error, EXPLAINED) or port is None or port in _NO_PORTS:
@@ -54,7 +51,7 @@ def explained(
             f"{error}; the virtual bus has ended with this run: if this computer was too busy, "
             "close other programs and try again"
         )
-    finding = _first(error, port, cell, name, computer)
+    finding = _first(error, port, cell, name)
     if finding is None:
         return f"{error}; `{command}` looks closer"
     head = _head(error)
@@ -88,17 +85,13 @@ def _has_ended(port: str) -> bool:
 
 
 def _first(
-    error: SplinearmError,
-    port: str,
-    cell: "Cell | None",
-    arm: str | None,
-    computer: Computer | None,
+    error: SplinearmError, port: str, cell: "Cell | None", arm: str | None
 ) -> Finding | None:
     """Look, and give what is to be mended first; None: nothing that explains an error."""
     from .look import QUICK, diagnose
 
     try:
-        diagnosis = diagnose(port, cell, arm=arm, computer=computer, effort=QUICK)
+        diagnosis = diagnose(port, cell, arm=arm, effort=QUICK)
     except SplinearmError:
         return None
     telling = [f for f in diagnosis.findings if _tells(f, error)]

@@ -6,15 +6,15 @@ from statistics import quantiles
 from splinearm.drivers.chain import ServoChain, ServoSpec
 from splinearm.drivers.dialect import protocol_of
 from splinearm.drivers.link import BITS_PER_BYTE
-from splinearm.drivers.model import ServoModel, servo_model_by_number
 
 from .advice import set_register, setup
 from .catalogue import found
 from .finding import Finding
+from .model_number import model_words
 from .pulse import Pulse
-from .roll import Roll, Stranger
+from .roll import FACTORY_ID, Roll, Stranger, otherwise
 
-_FACTORY_ID, _FACTORY_RATE = 1, 57_600
+_FACTORY_RATE = 57_600
 _FEW = 2
 """So many spoilt or lost answers may be chance."""
 _DAMAGED, _LOST = 0.005, 0.01
@@ -44,7 +44,7 @@ def check_roll(
     explained: set[int] = set()
     strangers = list(roll.strangers)
     for servo in roll.silent:
-        one = _otherwise(servo, strangers)
+        one = otherwise(servo, strangers)
         if one is not None and chain is not None:
             explained.add(servo.servo_id)
             strangers.remove(one)
@@ -66,19 +66,6 @@ def _nobody(port: str, roll: Roll) -> Finding:
         "switch the servos' power on (their LEDs blink once), check the cable between adapter and "
         f"first servo, then run `splinearm scan {port}`, which asks every id",
     )
-
-
-def _otherwise(servo: ServoSpec, strangers: Sequence[Stranger]) -> Stranger | None:
-    """Give who answered as a servo of the file would, but at another rate or in another protocol.
-
-    An id alone is no proof where it is the one that servos have from the factory.
-    """
-    for one in strangers:
-        if one.reply.servo_id == servo.servo_id:
-            same = one.reply.model_number == servo.servo_model.number
-            if same or servo.servo_id != _FACTORY_ID:
-                return one
-    return None
 
 
 def _misset(servo: ServoSpec, one: Stranger, chain: ServoChain, mend: str) -> Iterator[Finding]:
@@ -121,7 +108,7 @@ def _missing(
         remedy = f"check the cable that leaves servo {last.servo_id} ({last.name})"
     fresh = [one for one in strangers if _is_fresh(one)]
     if fresh:
-        model = _name_of(fresh[0])
+        model = model_words(fresh[0].reply.model_number)
         cause += f"; a {model} fresh from the factory (id 1, {fresh[0].baud} baud) is there"
         remedy = (
             f"if that is it: {mend}, which gives it id {missing[0].servo_id} and {chain.baud} "
@@ -133,8 +120,8 @@ def _missing(
 def _stranger(one: Stranger, roll: Roll) -> Finding:
     reply = one.reply
     cause = (
-        f"a {_name_of(one)} answers at {one.baud} baud in protocol {reply.protocol}.0, and the "
-        "arm's file does not name it"
+        f"a {model_words(reply.model_number)} answers at {one.baud} baud in protocol "
+        f"{reply.protocol}.0, and the arm's file does not name it"
     )
     remedy = "unplug it, or add a [[servo]] for it to the arm's file"
     if reply.servo_id in roll.present:
@@ -147,21 +134,14 @@ def _at_odds(one: Stranger, roll: Roll) -> Finding:
     return found(
         "L02",
         f"servo {one.reply.servo_id}",
-        f"a {_name_of(one)} answers at {one.baud} baud, others at {roll.baud}: one line has one "
-        "rate",
+        f"a {model_words(one.reply.model_number)} answers at {one.baud} baud, others at "
+        f"{roll.baud}: one line has one rate",
         "look with --arm ARM, so that the arm's file says which rate is right, or set all to one",
     )
 
 
 def _is_fresh(one: Stranger) -> bool:
-    return one.reply.servo_id == _FACTORY_ID and one.baud == _FACTORY_RATE
-
-
-def _name_of(one: Stranger) -> str:
-    try:
-        return servo_model_by_number(one.reply.model_number).name
-    except ValueError:
-        return f"servo of model number {one.reply.model_number}"
+    return one.reply.servo_id == FACTORY_ID and one.baud == _FACTORY_RATE
 
 
 def _crowd(baud: int, roll: Roll, mend: str) -> Finding:
@@ -169,8 +149,8 @@ def _crowd(baud: int, roll: Roll, mend: str) -> Finding:
     who = ", ".join(f"{servo.servo_id} ({servo.name})" for servo in roll.silent)
     return found(
         "L05",
-        f"servo {_FACTORY_ID}",
-        f"something answers at {baud} baud, but garbled: several servos have the id {_FACTORY_ID}, "
+        f"servo {FACTORY_ID}",
+        f"something answers at {baud} baud, but garbled: several servos have the id {FACTORY_ID}, "
         "as all have fresh out of the box"
         + (f"; the missing {who} may be among them" if who else ""),
         f"{mend}: it lets you connect one after the other and gives each its id",
@@ -246,11 +226,3 @@ def held_back(
     if len(excess) < 4 or quantiles(excess, n=4)[0] < _HELD:
         return 0.0
     return quantiles(times, n=4)[0]
-
-
-def model_of(number: int) -> ServoModel | None:
-    """Give the model of a number; None: it is not known."""
-    try:
-        return servo_model_by_number(number)
-    except ValueError:
-        return None

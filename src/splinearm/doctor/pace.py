@@ -101,7 +101,7 @@ def predicted_period(
 
 def bytes_out(traffic: Traffic, *, writes_only: bool = False) -> int:
     """Give how many bytes go to the servos in a cycle."""
-    writes = sum(len(part.group.frame([0] * _values(part.group))) for part in traffic.writes)
+    writes = sum(len(part.group.frame([0] * len(part.group.ids))) for part in traffic.writes)
     return writes if writes_only else writes + sum(len(p.group.request) for p in traffic.reads)
 
 
@@ -118,16 +118,13 @@ def pace_of(traffic: Traffic, baud: int, delays: Mapping[int, float], latency: f
     )
 
 
-def measured_rate(
-    bus: Stethoscope, traffic: Traffic, *, cycles: int = _CYCLES, lasts: float = _LASTS
-) -> float | None:
+def measured_rate(bus: Stethoscope, traffic: Traffic, *, cycles: int = _CYCLES) -> float | None:
     """Give the rate that the line and this computer hold, Hz; None: too many answers are lost.
 
     Args:
         bus: The bus.
         traffic: What is read; what would be written is waited for.
-        cycles: How many cycles to measure at most.
-        lasts: For how long at most, s.
+        cycles: How many cycles to measure at most; it takes a second at most.
 
     Raises:
         PortError: If the port is gone.
@@ -135,7 +132,7 @@ def measured_rate(
     writing = bytes_out(traffic, writes_only=True) * BITS_PER_BYTE / bus.baud
     periods: list[float] = []
     good = 0
-    until = time.monotonic() + lasts
+    until = time.monotonic() + _LASTS
     last = time.perf_counter()
     while len(periods) < cycles and time.monotonic() < until:
         _wait(last + writing)
@@ -149,9 +146,9 @@ def measured_rate(
     return 1.0 / median(periods)
 
 
-def check_pace(pace: Pace, where: str, wanted: float = USUAL_RATE) -> list[Finding]:
+def check_pace(pace: Pace, where: str) -> list[Finding]:
     """Say whether the line is too slow for jobs, or this computer for the line."""
-    if pace.predicted < wanted:
+    if pace.predicted < USUAL_RATE:
         return [found("C07", where, pace.words, _quicker(pace))]
     if pace.measured is not None and pace.measured < _FALLS_SHORT * pace.predicted:
         remedy = "close other programs, or permit real-time priority (`splinearm doctor` says how)"
@@ -176,11 +173,6 @@ def _delay(group: ReadGroup, delays: Mapping[int, float]) -> float:
     """Give what servos wait before their answers to a read, together, s."""
     each = [delays.get(servo_id, 0.0) for servo_id in group.ids]
     return each[0] if group.instruction in _FAST else sum(each)
-
-
-def _values(group: object) -> int:
-    """Give how many values a write takes: one goal a servo."""
-    return len(getattr(group, "ids", ()))
 
 
 def _wait(due: float) -> None:

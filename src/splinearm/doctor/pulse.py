@@ -12,7 +12,7 @@ from .stethoscope import Heard, Stethoscope
 
 COUNT = 300
 """How many pings make a judgement."""
-BUDGET = 2.0
+_LASTS = 2.0
 """For how long they may go on, s."""
 
 PATIENCE = 0.2
@@ -57,7 +57,6 @@ def feel_pulses(
     ids: Sequence[int],
     *,
     count: int = COUNT,
-    budget: float = BUDGET,
     patience: float = PATIENCE,
 ) -> dict[int, Pulse]:
     """Ping servos in turn; give by id how they answered.
@@ -65,15 +64,14 @@ def feel_pulses(
     Args:
         bus: The bus.
         ids: The servos.
-        count: How many pings in all.
-        budget: For how long at most, s.
+        count: How many pings in all, if there is time.
         patience: How much longer than usually to wait before an answer counts as lost, s.
 
     Raises:
         PortError: If the port is gone.
     """
     pulses = {servo_id: Pulse() for servo_id in ids}
-    until = time.monotonic() + budget
+    until = time.monotonic() + _LASTS
     asked = 0
     while asked < count and time.monotonic() < until:
         round_of = [i for i in ids if pulses[i].silent < _GIVE_UP]

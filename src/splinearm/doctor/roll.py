@@ -9,13 +9,16 @@ from splinearm.drivers.chain import ServoChain, ServoSpec
 from splinearm.drivers.dialect import protocols_of
 from splinearm.drivers.dynamixel import DEFAULT_BAUDS
 from splinearm.drivers.link import is_socket
-from splinearm.drivers.model import servo_model_by_number
 from splinearm.errors import BusError, PortError
 
+from .model_number import model_of
 from .pulse import is_shared
-from .stethoscope import Heard, Stethoscope
+from .stethoscope import Heard, Stethoscope, lacks_rate
 
-_FACTORY_ID, _SPOILT = 1, 3
+FACTORY_ID = 1
+"""The id of every servo fresh out of the box."""
+
+_SPOILT = 3
 _NEAR = 20
 """How far from each other the ids are for which is looked first."""
 _PATIENCE, _QUICK_PATIENCE = (0.0, 0.0, 0.2), (0.0, 0.0, 0.0)
@@ -55,7 +58,7 @@ class Roll:
 
 
 def call_roll(port: str, chain: ServoChain, *, until: float, thorough: bool = True) -> Roll:
-    """Ask the servos of an arm's file, and if one is missing everyone at every rate.
+    """Ask the servos of an arm's file, and everyone at other rates until none is missing.
 
     Args:
         port: The port.
@@ -67,24 +70,9 @@ def call_roll(port: str, chain: ServoChain, *, until: float, thorough: bool = Tr
         PortError: If the port cannot be had.
     """
     protocols = protocols_of(chain)
-    present: dict[int, PingReply] = {}
-    garbled: list[int] = []
     strangers: list[Stranger] = []
     with Stethoscope(port, chain.baud, protocols=protocols) as bus:
-        echoed = False
-        waiting = [servo.servo_id for servo in chain.servos]
-        for patience in _PATIENCE if thorough else _QUICK_PATIENCE:
-            for servo_id in tuple(waiting):
-                reply, damaged, echo = _call(bus, servo_id, patience)
-                echoed |= echo
-                if reply is not None:
-                    present[servo_id] = reply
-                    waiting.remove(servo_id)
-                elif damaged and servo_id not in garbled:
-                    garbled.append(servo_id)
-            if not (present or garbled):
-                break  # nobody is there: elsewhere they are found sooner
-        garbled = [servo_id for servo_id in garbled if servo_id not in present]
+        present, garbled, echoed = _call_named(bus, chain, thorough=thorough)
         known = {*present, *garbled}
         silent = tuple(servo for servo in chain.servos if servo.servo_id not in known)
         if silent or thorough:
@@ -97,7 +85,7 @@ def call_roll(port: str, chain: ServoChain, *, until: float, thorough: bool = Tr
     tried, crowded = [chain.baud], []
     rates = [rate for rate in _rates(chain) if rate != chain.baud and not is_socket(port)]
     for baud in rates if silent else ():
-        if time.monotonic() > until:
+        if time.monotonic() > until or all(otherwise(servo, strangers) for servo in silent):
             break
         others, is_crowd = _at(port, baud, echoed=echoed)
         strangers += others
@@ -106,13 +94,26 @@ def call_roll(port: str, chain: ServoChain, *, until: float, thorough: bool = Tr
     return Roll(
         baud=chain.baud,
         present=present,
-        garbled=tuple(garbled),
+        garbled=garbled,
         silent=silent,
         strangers=tuple(strangers),
         is_echoed=echoed,
         tried=tuple(tried),
         crowded=tuple(crowded),
     )
+
+
+def otherwise(servo: ServoSpec, strangers: Sequence[Stranger]) -> Stranger | None:
+    """Give who answered as a servo of the file would, but at another rate or in another protocol.
+
+    An id alone is no proof where it is the one that servos have from the factory.
+    """
+    for one in strangers:
+        if one.reply.servo_id == servo.servo_id:
+            same = one.reply.model_number == servo.servo_model.number
+            if same or servo.servo_id != FACTORY_ID:
+                return one
+    return None
 
 
 def call_everyone(port: str) -> Roll:
@@ -142,6 +143,28 @@ def call_everyone(port: str) -> Roll:
         tried=rates,
         crowded=tuple(crowded),
     )
+
+
+def _call_named(
+    bus: Stethoscope, chain: ServoChain, *, thorough: bool
+) -> tuple[dict[int, PingReply], tuple[int, ...], bool]:
+    """Ask the servos of a file again and again; give who answers, who but damaged, and an echo."""
+    present: dict[int, PingReply] = {}
+    garbled: dict[int, None] = {}
+    echoed = False
+    waiting = [servo.servo_id for servo in chain.servos]
+    for patience in _PATIENCE if thorough else _QUICK_PATIENCE:
+        for servo_id in tuple(waiting):
+            reply, damaged, echo = _call(bus, servo_id, patience)
+            echoed |= echo
+            if reply is not None:
+                present[servo_id] = reply
+                waiting.remove(servo_id)
+            elif damaged:
+                garbled[servo_id] = None
+        if not (present or garbled):
+            break  # nobody is there: elsewhere they are found sooner
+    return present, tuple(i for i in garbled if i not in present), echoed
 
 
 def _call(bus: Stethoscope, servo_id: int, patience: float) -> tuple[PingReply | None, bool, bool]:
@@ -174,13 +197,13 @@ def _at(port: str, baud: int, *, echoed: bool) -> tuple[list[Stranger], bool]:
     try:
         bus = Stethoscope(port, baud)
     except PortError as error:
-        if f"at {baud} baud" in error.reason:
+        if lacks_rate(error, baud):
             return [], False
         raise
     with bus:
         replies = _everyone(bus, echoed=echoed)
         is_crowd = _is_crowd(bus, replies)
-        alone = [r for r in replies if not (is_crowd and r.servo_id == _FACTORY_ID)]
+        alone = [r for r in replies if not (is_crowd and r.servo_id == FACTORY_ID)]
         return [Stranger(reply=reply, baud=baud) for reply in alone], is_crowd
 
 
@@ -189,15 +212,13 @@ def _is_crowd(bus: Stethoscope, replies: Sequence[PingReply]) -> bool:
 
     Those of one model answer a ping alike; where they are they do not say alike.
     """
-    first = [reply for reply in replies if reply.servo_id == _FACTORY_ID]
+    first = [reply for reply in replies if reply.servo_id == FACTORY_ID]
     if not first:
-        return all(_is_spoilt(bus.listen(_FACTORY_ID)) for _ in range(_SPOILT))
-    try:
-        place = servo_model_by_number(first[0].model_number).table.get("Present Position")
-    except ValueError:
-        return False
-    bus.speak({_FACTORY_ID: first[0].protocol})
-    return place is not None and is_shared(bus, _FACTORY_ID, place)
+        return all(_is_spoilt(bus.listen(FACTORY_ID)) for _ in range(_SPOILT))
+    model = model_of(first[0].model_number)
+    place = None if model is None else model.table.get("Present Position")
+    bus.speak({FACTORY_ID: first[0].protocol})
+    return place is not None and is_shared(bus, FACTORY_ID, place)
 
 
 def _is_spoilt(heard: Heard) -> bool:
