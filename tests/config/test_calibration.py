@@ -297,9 +297,10 @@ def test_a_writer_that_is_killed_leaves_a_whole_file(home):
     assert (len(lines), len(set(lines))) == (20000, 1)
 
 
-def test_drafts_are_no_calibrations(home):
+def test_drafts_and_links_that_lead_nowhere_are_no_calibrations(home):
     save_calibration(made())
     folder = calibration_file(ARM).parent
     Path(folder / ".default.toml.77").write_text("half")
+    Path(folder / "gone.toml").symlink_to(folder / "nowhere")
     assert calibration_names(ARM) == ("default",)
     assert re.fullmatch(r"default\.toml", calibration_file(ARM).name)

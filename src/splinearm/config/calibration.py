@@ -47,7 +47,7 @@ def calibration_file(arm: str, name: str = DEFAULT) -> Path:
 
 def calibration_names(arm: str) -> tuple[str, ...]:
     """Give the names of an arm's calibrations: the one in use first, then the newest."""
-    files = [file for file in _folder(arm).glob("*.toml") if not file.name.startswith(".")]
+    files = [f for f in _folder(arm).glob("*.toml") if not f.name.startswith(".") and f.is_file()]
     files.sort(key=lambda file: (file.stem != DEFAULT, -file.stat().st_mtime_ns, file.stem))
     return tuple(file.stem for file in files)
 
