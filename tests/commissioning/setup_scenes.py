@@ -1,10 +1,5 @@
 """Servos in memory in the states in which setup may find them."""
 
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from memory_line import MemoryLine, load_cell, set_up
 
 from splinearm.sim.line import speak_protocol_1

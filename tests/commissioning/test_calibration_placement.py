@@ -1,15 +1,11 @@
 """Zero and wrap point of servos that are no plain leader, and refusals."""
 
-import sys
 from collections import Counter
 from dataclasses import replace
 from math import pi
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))  # calibration_scene
 from calibration_scene import MemoryBus, cell_of, mounted, new_shaft, scene_of, spec_of
 
 from splinearm.commissioning.calibration_bench import CalibrationBench, as_calibration

@@ -1,15 +1,11 @@
 """A thousand joints, mounted anyhow, turned by hand, calibrated: every angle is right."""
 
 import re
-import sys
 from collections import Counter
 from math import tau
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))  # calibration_scene
 from calibration_scene import mounted, new_shaft, scene_of, spec_of
 
 from splinearm.commissioning.calibration_bench import as_calibration

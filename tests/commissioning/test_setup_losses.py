@@ -1,13 +1,8 @@
 """Setup where something is lost, in the way, or of another kind."""
 
-import sys
 from contextlib import suppress
-from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from memory_line import Helper, checked, load_cell, set_up
 from setup_scenes import KOCH, SCENES, disordered, fresh, with_registers
 

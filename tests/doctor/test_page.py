@@ -63,10 +63,8 @@ def test_the_table_is_that_of_the_faults_in_the_tests():
     assert text.split(BEGIN)[1].split(END)[0] == table()
 
 
-def test_every_code_is_injected_and_at_least_28_faults_are():
-    acts = injected()
-    assert set(acts) == {ailment.code for ailment in AILMENTS}
-    assert sum(map(len, acts.values())) >= 28
+def test_every_code_is_injected():
+    assert set(injected()) == {ailment.code for ailment in AILMENTS}
     assert len({ailment.code for ailment in AILMENTS}) == len(AILMENTS)
 
 
