@@ -163,6 +163,8 @@ def test_a_port_in_use_and_a_missing_port_are_refused(bus):
 def test_a_rate_that_servos_do_not_have_is_refused_and_the_port_set_free(line):
     with pytest.raises(PortError, match="no servo speaks at 12345 baud; choose one of 9600"):
         DynamixelBus(line.port, 12_345)
+    with pytest.raises(PortError, match="no servo speaks at 0 baud"):
+        DynamixelBus("unix:nobody", 0)
     with DynamixelBus(line.port, 4_500_000) as bus:  # not in the SDK's list
         assert bus.baud == 4_500_000
     with pytest.raises(ValueError, match="margin"):

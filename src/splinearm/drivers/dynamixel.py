@@ -124,6 +124,8 @@ class _Hold:
         self._handler: PortHandler | None = None
         self.by_id = None
         if is_socket(port):
+            if not baud > 0:
+                raise _no_rate(port, baud)
             self.link: SerialLink = SocketLink(port, baud, margin)
             return
         self._lock = PortLock(port)
@@ -198,6 +200,11 @@ def _found(reply: PingReply, baud: int) -> FoundServo:
     )
 
 
+def _no_rate(port: str, baud: int) -> PortError:
+    rates = ", ".join(map(str, (*_SDK_RATES, *_SDK_TOO_FAST)))
+    return PortError(port, f"no servo speaks at {baud} baud", f"choose one of {rates}")
+
+
 def _open(port: str, baud: int) -> "PortHandler":
     """Give the SDK's handler of the port, open at that rate."""
     from dynamixel_sdk import PortHandler
@@ -205,8 +212,7 @@ def _open(port: str, baud: int) -> "PortHandler":
     handler = PortHandler(port)
     first = max(_SDK_RATES) if baud in _SDK_TOO_FAST else baud
     if handler.getCFlagBaud(first) <= 0:
-        rates = ", ".join(map(str, (*_SDK_RATES, *_SDK_TOO_FAST)))
-        raise PortError(port, f"no servo speaks at {baud} baud", f"choose one of {rates}")
+        raise _no_rate(port, baud)
     try:
         handler.setBaudRate(first)
         if first != baud:
