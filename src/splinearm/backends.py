@@ -60,7 +60,7 @@ class Station:
 
 
 @contextmanager
-def open_arm(
+def open_arm(  # noqa: PLR0913 - all but two may be left out
     cell: Cell,
     where: str,
     *,

@@ -32,6 +32,7 @@ servos do is one of these; each keeps its facts as fields in SI and speaks in th
     │   ├── StartError            the arm is not where the motion starts
     │   ├── FollowingError        the arm does not keep up with the motion
     │   └── StaleFeedbackError    what the arm last said is too old
+    ├── DeclinedError             a person did not agree to what a command would do
     └── TerminalLostError         the terminal in which a command ran was closed
 """
 
@@ -514,6 +515,15 @@ class StaleFeedbackError(MotionError):
             f"no feedback for {age * 1e3:.0f} ms (allowed {allowed * 1e3:.0f} ms)"
             + (f": {cause}" if cause else "; check cable and power")
         )
+
+
+class DeclinedError(SplinearmError):
+    """A person did not agree; nothing more was written."""
+
+    def __init__(self, what: str) -> None:
+        """Take what was not agreed to."""
+        self.what = what
+        super().__init__(what)
 
 
 class TerminalLostError(SplinearmError):

@@ -9,11 +9,10 @@ from memory_line import Helper, KilledError, MemoryLine, load_cell, set_up
 
 from splinearm.commissioning.backup import backup_file, read_backup, write_backup
 from splinearm.commissioning.image import kept
-from splinearm.commissioning.person import DeclinedError
 from splinearm.commissioning.restore import restore
 from splinearm.commissioning.save import save_arm, save_everyone
 from splinearm.drivers.registers import Area
-from splinearm.errors import ConfigError, ServoError, SilentBusError
+from splinearm.errors import ConfigError, DeclinedError, ServoError, SilentBusError
 
 KOCH = load_cell("koch_v1_1")
 

@@ -10,11 +10,10 @@ from setup_scenes import KOCH, SCENES, disordered, fresh, ready, with_registers
 
 from splinearm.commissioning.bench import Address, Found
 from splinearm.commissioning.image import read_image
-from splinearm.commissioning.person import DeclinedError
 from splinearm.commissioning.session import Session
 from splinearm.commissioning.task import Change, Task
 from splinearm.config.folder import user_folder
-from splinearm.errors import BusTimeoutError, ServoError
+from splinearm.errors import BusTimeoutError, DeclinedError, ServoError
 from splinearm.sim.shaft import Shaft
 from splinearm.sim.virtual_servo import VirtualServo
 

@@ -46,8 +46,8 @@ def run(args: argparse.Namespace) -> int:
     """Compare, ask, write, read again."""
     from splinearm.commissioning.backup import read_backup
     from splinearm.commissioning.bench import Bench
-    from splinearm.commissioning.person import DeclinedError
     from splinearm.commissioning.restore import restore
+    from splinearm.errors import DeclinedError
 
     from .setup_person import TerminalPerson, console_for, counted
 

@@ -68,9 +68,9 @@ def run(args: argparse.Namespace) -> int:
     """Look, ask, write, read again."""
     from splinearm.backends import require_chain
     from splinearm.commissioning.bench import Bench
-    from splinearm.commissioning.person import DeclinedError
     from splinearm.commissioning.setup import Setup
     from splinearm.config import load_cell
+    from splinearm.errors import DeclinedError
 
     from .setup_person import TerminalPerson, console_for
 

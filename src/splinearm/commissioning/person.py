@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from splinearm.drivers.chain import ServoSpec
-from splinearm.errors import SplinearmError
 
 from .bench import Found
 from .task import Task
@@ -40,11 +39,3 @@ class Person(Protocol):
     def is_it(self, servo: ServoSpec, one: Found) -> bool:
         """Say whether a servo that was there before anybody asked for it is the one asked for."""
         ...
-
-
-class DeclinedError(SplinearmError):
-    """A person did not agree; nothing more was written."""
-
-    def __init__(self, what: str) -> None:
-        self.what = what
-        super().__init__(what)

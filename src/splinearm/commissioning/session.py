@@ -5,12 +5,12 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from splinearm.errors import BusTimeoutError, ServoError
+from splinearm.errors import BusTimeoutError, DeclinedError, ServoError
 
 from .backup import Backup, SavedServo, backup_file, write_backup
 from .bench import Address, Bench, Found
 from .image import ControlImage
-from .person import DeclinedError, Person
+from .person import Person
 from .search import call_at
 from .task import ANSWER_ALL, LEVEL, Task
 from .writing import Writer

@@ -11,11 +11,11 @@ from math import isinf
 from splinearm.config import Cell
 from splinearm.doctor.roll import FACTORY_ID
 from splinearm.drivers.chain import ServoChain, ServoRole, ServoSpec
-from splinearm.errors import BusTimeoutError, ServoError
+from splinearm.errors import BusTimeoutError, DeclinedError, ServoError
 
 from .bench import Address, Bench, Found
 from .image import ControlImage
-from .person import DeclinedError, Person
+from .person import Person
 from .search import call_file, factory_baud
 from .session import ERRORS, Session, SessionReport
 from .survey import Look, Survey
