@@ -124,7 +124,7 @@ def carry_out(planned: "PlannedProgram", args: argparse.Namespace) -> "tuple[Run
     from .report import print_report
 
     job, cell = planned.jobs[0].job, planned.jobs[0].cell
-    is_person = sys.stdin.isatty() and sys.stdout.isatty()
+    is_person = sys.stdin is not None and sys.stdin.isatty() and sys.stdout.isatty()
     if not is_person:
         require_nobody(planned)
     with (

@@ -9,7 +9,6 @@ from .cyclic import GroupRead
 from .groups import BulkRead
 
 _TRIES = 3
-_RAW_SHIFT = 8  # above that an error byte of Protocol 1.0 stands as it came
 
 
 def read_all(bus: ServoBus, servos: Sequence[ServoSpec], name: str) -> dict[int, int]:
@@ -47,7 +46,7 @@ def read_latched(bus: ServoBus, servos: Sequence[ServoSpec]) -> dict[int, int]:
     old = [servo for servo in servos if servo not in modern]
     requests = [BulkRead(s.servo_id, s.servo_model.table["ID"].address, 1) for s in old]
     replies = _ask(bus, old, requests, HARDWARE_ERROR)
-    told = {servo_id: reply.error >> _RAW_SHIFT for servo_id, reply in replies.items()}
+    told = {servo_id: reply.latched for servo_id, reply in replies.items()}
     found = read_all(bus, modern, HARDWARE_ERROR) | told
     return {servo.servo_id: found[servo.servo_id] for servo in servos}
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from splinearm.errors import BusError, BusTimeoutError, PacketError, ServoError
 
 from .packets import ALERT_BIT, ERROR_TEXTS, Instruction
+from .packets_v1 import RAW_SHIFT
 
 if TYPE_CHECKING:
     from .registers import Register
@@ -37,9 +38,14 @@ class Reply(NamedTuple):
     data: bytes
     """What it read; empty if lost."""
     error: int = 0
-    """Its error byte: an error number and the alert bit."""
+    """Its error byte: an error number and the alert bit; that of Protocol 1.0 above it."""
     loss: Loss | None = None
     """Why there are no data; None: there are."""
+
+    @property
+    def latched(self) -> int:
+        """The hardware errors that a status of Protocol 1.0 says by itself; of 2.0 it says none."""
+        return self.error >> RAW_SHIFT
 
 
 class PingReply(NamedTuple):

@@ -44,7 +44,6 @@ _SOON = 0.05
 """The same while it may be losing what it held."""
 _PATIENCE = 3
 """How often in a row it may be silent before it counts as lost."""
-_RAW_SHIFT = 8  # above that an error byte of Protocol 1.0 stands as it came
 
 
 class Gripper:
@@ -369,7 +368,7 @@ class Gripper:
             raise loss_error(reply, servo.servo_id, _PRESENT, port=self._bus.port, name=servo.name)
         self._missed = 0
         if reply.error & ALERT_BIT:
-            raise self._latched(reply.error >> _RAW_SHIFT)
+            raise self._latched(reply.latched)
         return reply
 
     def _latched(self, told: int) -> BusError:

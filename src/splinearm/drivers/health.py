@@ -33,10 +33,9 @@ _log = logging.getLogger(__name__)
 
 _LAYOUTS = {2: struct.Struct("<HB"), 1: struct.Struct("<BB")}
 """Supply and temperature, by the bytes of the supply."""
-_RAW_SHIFT = 8
 _ROUND = 1.0
 """How long a round of all servos takes, s."""
-_MEMORY = 0.5
+MEMORY = 0.5
 """Time over which the effort of a servo is taken together, s: accelerating is no overload."""
 _STEP = 0.02
 """How often an effort counts, s: at a high rate not every cycle has to."""
@@ -74,7 +73,8 @@ class _Watched:
     low: bool = False
 
 
-_LIGHTEN = "look for what blocks the joint, lighten its load or move slower"
+LIGHTEN = "look for what blocks the joint, lighten its load or move slower"
+"""What helps a servo that works too hard."""
 _QUANTITIES = (
     _Watched(
         "temperature",
@@ -90,8 +90,8 @@ _QUANTITIES = (
         low=True,
     ),
     _Watched("voltage", "supply", "V", "lower the supply"),
-    _Watched("current", "current", "A", _LIGHTEN),
-    _Watched("load", "load", "%", _LIGHTEN, factor=100.0),
+    _Watched("current", "current", "A", LIGHTEN),
+    _Watched("load", "load", "%", LIGHTEN, factor=100.0),
 )
 
 
@@ -212,9 +212,9 @@ class HealthWatch:
 
     def _weigh(self, t: float, effort: FloatArray) -> None:
         """Let an effort count by the time since the last, from none at first; judge their mean."""
-        share = 0.0 if isnan(self._effort_t) else 1.0 - exp(-(t - self._effort_t) / _MEMORY)
+        share = 0.0 if isnan(self._effort_t) else 1.0 - exp(-(t - self._effort_t) / MEMORY)
         known = np.where(np.isnan(self._effort), 0.0, self._effort)
-        if t - self._effort_t > _MEMORY:  # what was before a pause may be mended
+        if t - self._effort_t > MEMORY:  # what was before a pause may be mended
             known = np.fmin(known, effort)
         # after a pause the first word counts no more than others: who starts hard may do so
         mean = known + min(share, _FIRST_SHARE) * (effort - known)
@@ -246,7 +246,7 @@ class HealthWatch:
         self._next = (self._next + 1) % len(self._servos)
         asked_torque, self._asks_torque = self._asks_torque, self._asks_torque ^ (self._next == 0)
         if reply.error & ALERT_BIT:
-            self._fall(self._latched(servo, reply.error >> _RAW_SHIFT))
+            self._fall(self._latched(servo, reply.latched))
         if asked_torque and torque and not says_torque(reply.data):
             self._fall(_limp(servo))
 

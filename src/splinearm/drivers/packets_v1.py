@@ -45,7 +45,8 @@ def _frame(servo_id: int, code: int, params: bytes) -> bytes:
 
 _LATCHED = 0x01 | 0x04 | 0x20  # input voltage, overheating, overload
 _NUMBERS = {0x40: 2, 0x10: 3, 0x08: 4, 0x02: 6}
-_RAW_SHIFT = 8
+RAW_SHIFT = 8
+"""Above so many bits of an error the byte of Protocol 1.0 stands as it came."""
 
 
 def modern_error(error: int) -> int:
@@ -56,7 +57,7 @@ def modern_error(error: int) -> int:
     """
     number = next((number for bit, number in _NUMBERS.items() if error & bit), 0)
     alert = ALERT_BIT if error & _LATCHED else 0
-    return alert | number | (error & _LATCHED) << _RAW_SHIFT
+    return alert | number | (error & _LATCHED) << RAW_SHIFT
 
 
 class Decoder:

@@ -9,11 +9,11 @@ from splinearm.doctor.chart import Chart
 from splinearm.doctor.finding import Finding, Severity
 from splinearm.doctor.servo_check import check_errors, check_health
 from splinearm.drivers.ability import HARDWARE_ERROR
+from splinearm.drivers.health import LIGHTEN
 from splinearm.drivers.health_limit import HealthLimits
 
 from .sample import Level, ServoSample, Verdict
 
-_LIGHTEN = "look for what blocks the joint, lighten its load or move slower"
 _LEVELS = {Severity.ERROR: Level.STOP, Severity.WARNING: Level.WARN, Severity.HINT: Level.WELL}
 
 
@@ -120,4 +120,4 @@ def _by_effort(facts: ServoSample, evidence: Evidence, fields: dict[str, Level])
         what = f"load {evidence.effort * 100.0:.0f} % over half a second"
     else:
         what = f"current {evidence.effort:.2f} A over half a second"
-    return Verdict(level=level, what=what, remedy=_LIGHTEN, fields=fields)
+    return Verdict(level=level, what=what, remedy=LIGHTEN, fields=fields)

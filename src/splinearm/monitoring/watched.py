@@ -10,6 +10,7 @@ from splinearm.doctor.setting_check import other_model, unknown_model
 from splinearm.doctor.stethoscope import Stethoscope
 from splinearm.drivers.ability import HARDWARE_ERROR, voltage_register
 from splinearm.drivers.bus import PingReply, Reply
+from splinearm.drivers.health import MEMORY
 from splinearm.drivers.health_limit import HealthLimits
 from splinearm.drivers.model import ServoModel
 from splinearm.drivers.packets import ALERT_BIT
@@ -32,10 +33,6 @@ from .tally import Tally
 _MISSES, _SILENCE = 5, 0.25
 """How often in a row, and for how long, s, a servo may be lost before it counts as silent: this
 computer, or the adapter, may pause for a moment too."""
-
-_MEMORY = 0.5
-"""Time over which the effort of a servo is taken together, s: accelerating is no overload."""
-_RAW_SHIFT = 8  # above that an error byte of Protocol 1.0 stands as it came
 
 
 class Watched:
@@ -127,7 +124,7 @@ class Watched:
             return
         self._misses, self._heard, self._heard_t = 0, True, t
         alert = bool(reply.error & ALERT_BIT)
-        self._latched = reply.error >> _RAW_SHIFT
+        self._latched = reply.latched
         self.is_stale |= alert is not self._alert
         self._alert = alert
         self._seen = self.motion.read(reply.data)
@@ -248,7 +245,7 @@ class Watched:
         """Let an effort count by the time since the last, from none at first."""
         seen = self._seen
         effort = abs(seen.current if isnan(seen.load) else seen.load)
-        share = 0.0 if isnan(self._effort_t) else 1.0 - exp(-(t - self._effort_t) / _MEMORY)
+        share = 0.0 if isnan(self._effort_t) else 1.0 - exp(-(t - self._effort_t) / MEMORY)
         known = 0.0 if isnan(self._effort) else self._effort
         self._effort = known + share * (effort - known)
         self._effort_t = t
