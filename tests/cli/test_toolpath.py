@@ -1,8 +1,6 @@
 """``splinearm toolpath``: a drawing becomes a program that was verified."""
 
 import json
-import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -112,6 +110,7 @@ def test_a_program_that_is_wrong_is_not_written(cli):
         (("--tool", "80", "--depth", "3", "--operation", "pocket"), "nothing is left"),
         (("--tool", "6", "--depth", "3", "--tabs", "99", "--layers", "outline"), "no room"),
         (("--tool", "6", "--depth", "3", "--tolerance", "0"), "tolerance"),
+        (("--tool", "6", "--depth", "3", "--spindle", "nan"), "speed"),
         (("--tool", "6", "--depth", "3", "--finish"), "stock"),
         (("--tool", "6", "--depth", "3", "-o", "nowhere/a.ngc"), "folder"),
     ],
@@ -132,16 +131,10 @@ def test_parts_that_overlap_are_refused_with_the_place(cli):
     assert " mm" in cli.err
 
 
-@pytest.mark.skipif(shutil.which("rs274") is None, reason="LinuxCNC's rs274 is not installed")
-def test_linuxcnc_takes_every_arc_as_an_arc(cli):
+def test_linuxcnc_takes_every_arc_as_an_arc(cli, rs274):
     assert cli("toolpath", EXAMPLES / "bracket" / "bracket.toml", "-o", "a.ngc", "--json") == 0
     ways = json.loads(cli.out)["ways"]
-    table = cli.write("tool.tbl", "T1 P1 D6 Z0\nT2 P2 D6 Z0\n")
-    done = subprocess.run(
-        ["rs274", "-t", table, "-g", cli.folder / "a.ngc"],
-        capture_output=True, text=True, check=False, timeout=60, stdin=subprocess.DEVNULL,
-    )  # fmt: skip
-    assert "PROGRAM_END" in done.stdout, done.stdout[-400:] + done.stderr[-400:]
+    done = rs274(cli.folder / "a.ngc", "T1 P1 D6 Z0\nT2 P2 D6 Z0\n")
     assert done.stdout.count("ARC_FEED") == ways["arcs"]
     assert done.stdout.count("STRAIGHT_FEED") == ways["lines"]
 

@@ -1,8 +1,6 @@
 """Our reader and writer beside LinuxCNC's own interpreter, where it is installed."""
 
 import re
-import shutil
-import subprocess
 from itertools import pairwise
 from math import pi
 
@@ -15,30 +13,19 @@ from splinearm.toolpaths.gcode_dialect import DIALECTS
 from splinearm.toolpaths.gcode_interpreter import run_gcode
 from splinearm.toolpaths.gcode_writer import write_gcode
 
-pytestmark = pytest.mark.skipif(
-    shutil.which("rs274") is None, reason="LinuxCNC's rs274 (linuxcnc-uspace) is not installed"
-)
-
 MM = 1e-3
 CALL = re.compile(r"^\s*\d+\s+N\S*\s+(\w+)\((.*)\)\s*$")
 
 
 @pytest.fixture
-def oracle(tmp_path):
+def oracle(tmp_path, rs274):
     """Give a function that lets LinuxCNC read a program: kinds and ends of its ways, in mm."""
 
     def read(text):
-        file, table = tmp_path / "part.ngc", tmp_path / "tool.tbl"
+        file = tmp_path / "part.ngc"
         file.write_text(text)
-        table.write_text("T1 P1 D0.25 Z0\n")
-        done = subprocess.run(
-            ["rs274", "-t", table, "-g", file],
-            capture_output=True, text=True, check=False, timeout=60, stdin=subprocess.DEVNULL,
-        )  # fmt: skip
-        calls = [match.groups() for match in map(CALL.match, done.stdout.splitlines()) if match]
-        names = [name for name, _ in calls]
-        assert "PROGRAM_END" in names, done.stdout[-400:] + done.stderr[-400:]
-        return ways(calls)
+        lines = rs274(file).stdout.splitlines()
+        return ways([match.groups() for match in map(CALL.match, lines) if match])
 
     return read
 

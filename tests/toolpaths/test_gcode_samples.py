@@ -1,8 +1,6 @@
 """The programs that LinuxCNC brings, read by its own interpreter and by ours, move by move."""
 
 import re
-import shutil
-import subprocess
 from math import pi
 from pathlib import Path
 
@@ -18,15 +16,13 @@ from splinearm.toolpaths.gcode_machine import NcMachine, NcTool
 SHARE, DOC = Path("/usr/share/linuxcnc/ncfiles"), Path("/usr/share/doc/linuxcnc")
 pytestmark = [
     pytest.mark.kernel,
-    pytest.mark.skipif(
-        shutil.which("rs274") is None, reason="LinuxCNC's rs274 (linuxcnc-uspace) is not installed"
-    ),
     pytest.mark.skipif(not SHARE.is_dir(), reason=f"LinuxCNC's samples are not in {SHARE}"),
 ]
 
 MM = 1e-3
 CALL = re.compile(r"^\s*\d+\s+N\S*\s+(\w+)\((.*)\)\s*$")
 TOOLS = {number: number * MM for number in range(1, 100)}
+TABLE = "".join(f"T{n} P{n} D{d / 25.4e-3:.6f} Z0\n" for n, d in TOOLS.items())
 NOT_OURS = re.compile(
     r"threading|tapping|probing|spindle that is followed|G7[01]|g7[0-2]|diameters of a lathe|"
     r"other than X, Y and Z|\^|waiting for an input|there is no subroutine|constant surface|"
@@ -36,13 +32,9 @@ NOT_OURS = re.compile(
 """What we refuse for a reason: lathes, probes, rotary axes, polar words, codes of one machine."""
 
 
-def theirs(file, table):
+def theirs(file, read):
     """Give the ways of LinuxCNC in mm, and whether it read the program to its end."""
-    command = ["rs274", "-t", table, "-g", file]
-    done = subprocess.run(
-        command, capture_output=True, text=True, check=False, timeout=60, errors="replace",
-        stdin=subprocess.DEVNULL, cwd=Path(file).parent,
-    )  # fmt: skip
+    done = read(file, TABLE, ends=False)
     found, unit = [], 1.0
     shift = {"SET_G5X_OFFSET": 0.0, "SET_G92_OFFSET": 0.0, "USE_TOOL_LENGTH_OFFSET": 0.0}
     ended = False
@@ -109,10 +101,10 @@ def same(a, b):
     )
 
 
-def compared(file, table):
+def compared(file, rs274):
     """Give what came of a program: same, neither, ours alone, refused, compensated, or a fault."""
     machine = NcMachine(tools={n: NcTool(diameter=d) for n, d in TOOLS.items()})
-    wanted, ended = theirs(file, table)
+    wanted, ended = theirs(file, rs274)
     try:
         actions = run_gcode(file, machine)
     except GcodeError as error:
@@ -130,42 +122,35 @@ def compared(file, table):
     return "same" if len(a) == len(b) else f"has {len(b)} ways, {len(a)} wanted"
 
 
-@pytest.fixture(scope="module")
-def table(tmp_path_factory):
-    file = tmp_path_factory.mktemp("rs274") / "tool.tbl"
-    file.write_text("".join(f"T{n} P{n} D{d / 25.4e-3:.6f} Z0\n" for n, d in TOOLS.items()))
-    return file
-
-
-def counted(files, table):
-    found = {str(file): compared(file, table) for file in files}
+def counted(files, rs274):
+    found = {str(file): compared(file, rs274) for file in files}
     fine = {"same", "neither", "ours alone", "refused", "compensated"}
     assert not {file: what for file, what in found.items() if what not in fine}
     return [sum(what == kind for what in found.values()) for kind in ("same", "refused")]
 
 
-def test_small_samples_agree_move_by_move(table):
+def test_small_samples_agree_move_by_move(rs274):
     files = [file for file in sorted(SHARE.glob("*.ngc")) if file.stat().st_size < 6000]
-    same_ones, _ = counted(files, table)
+    same_ones, _ = counted(files, rs274)
     assert same_ones >= 0.4 * len(files)
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
-def test_every_sample_agrees_or_is_refused_with_a_reason(table):
+def test_every_sample_agrees_or_is_refused_with_a_reason(rs274):
     files = [*sorted(SHARE.rglob("*.ngc")), *sorted(DOC.rglob("*.ngc"))]
-    same_ones, refused = counted(dict.fromkeys(file.resolve() for file in files), table)
+    same_ones, refused = counted(dict.fromkeys(file.resolve() for file in files), rs274)
     assert same_ones > 4 * refused
 
 
-def test_a_compensated_contour_without_trimmed_parts_is_theirs(tmp_path, table):
+def test_a_compensated_contour_without_trimmed_parts_is_theirs(tmp_path, rs274):
     text = (
         "G21 G90 F500\nG0 X-30 Y-30\nG1 Z-1\nG41.1 D6 G1 X0 Y-12\nY30\nG2 X10 Y40 I10 J0\n"
         "G1 X50\nY12\nG2 X42 Y4 I-8 J0\nG1 X-12\nG40 G1 X-30\nM2\n"
     )
     file = tmp_path / "part.ngc"
     file.write_text(text)
-    wanted, ended = theirs(file, table)
+    wanted, ended = theirs(file, rs274)
     assert ended
     found = ours(compensate(run_gcode_text(text)).actions)
     ends = np.array([w.end / MM if k == "arc" else w for k, w in found])

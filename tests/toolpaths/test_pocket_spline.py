@@ -1,7 +1,5 @@
 """Pockets along splines: rings that are splines, no gouge, nothing uncut, written as such."""
 
-import shutil
-import subprocess
 from dataclasses import replace
 from math import pi
 
@@ -172,18 +170,12 @@ def moved(curve):
     return replace(curve, points=curve.points + np.array([0.06, 0.0]))
 
 
-@pytest.mark.skipif(shutil.which("rs274") is None, reason="LinuxCNC's rs274 is not installed")
-def test_linuxcnc_takes_pockets_along_splines(milling, tmp_path):
+def test_linuxcnc_takes_pockets_along_splines(milling, tmp_path, rs274):
     setting = milling(depth=3e-3, entry=Entry.HELIX, lead=1e-3, stock=2e-4, finish=True)
     actions, done = cleared(DRAWINGS["clover"], setting, Kind.POCKET)
     text = check(actions, done)
-    file, table = tmp_path / "part.ngc", tmp_path / "tool.tbl"
+    file = tmp_path / "part.ngc"
     file.write_text(text)
-    table.write_text("T1 P1 D4 Z0\n")
-    told = subprocess.run(
-        ["rs274", "-t", table, "-g", file],
-        capture_output=True, text=True, check=False, timeout=60, stdin=subprocess.DEVNULL,
-    )  # fmt: skip
-    assert "PROGRAM_END" in told.stdout, told.stdout[-400:] + told.stderr[-400:]
+    told = rs274(file)
     count = told.stdout.count("NURBS_G5_FEED") + told.stdout.count("NURBS_FEED")
     assert count >= text.count("G5 ") > 10
