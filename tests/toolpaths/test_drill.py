@@ -7,12 +7,13 @@ import pytest
 
 from splinearm.curves.bspline import BSpline
 from splinearm.toolpaths.action import ArcFeed, Feed, Rapid, SplineFeed
-from splinearm.toolpaths.chain import Wire
 from splinearm.toolpaths.drill import drill
 from splinearm.toolpaths.engrave import engrave
 from splinearm.toolpaths.gcode_check import write_checked
 from splinearm.toolpaths.gcode_dialect import DIALECTS
+from splinearm.toolpaths.joining import joined_program
 from splinearm.toolpaths.piece import ArcPiece, LinePiece, SplinePiece
+from splinearm.toolpaths.wire import Wire
 
 SPOTS = np.array([[0.01, 0.0], [0.03, 0.02], [0.01, 0.02], [0.03, 0.0]])
 
@@ -42,6 +43,20 @@ def test_a_drill_comes_out_after_each_peck(peck, milling, follows):
         assert way.start[2] == pytest.approx(before + 0.5e-3)
     for dialect in DIALECTS.values():
         assert write_checked(milled.actions, dialect)
+
+
+def test_a_hole_at_the_origin_is_come_to_from_straight_above(milling, follows):
+    deep = milling(top=-3e-3)
+    first = [(deep.cutter, drill([[0.02, 0.01]], deep))] * 2
+    for parts in (first[:0], first):
+        actions = joined_program([*parts, (deep.cutter, drill([[0.0, 0.0]], deep))])
+        follows(actions)
+        text = write_checked(actions, DIALECTS["grbl"]).splitlines()
+        for line in text:
+            assert not ("Z" in line and ("X" in line or "Y" in line)), line
+    # also where the cutter is above the material already
+    low = milling(safe=4e-4)
+    assert joined_program([(low.cutter, drill([[0.0, 0.0]], low))])
 
 
 def test_drilling_wants_places(milling):

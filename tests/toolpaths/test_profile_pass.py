@@ -128,6 +128,24 @@ def test_tabs_stay(parts, milling, cuts):
     assert {fault.kind for fault in report.faults} <= {"step down"}, report.text()
 
 
+@pytest.mark.parametrize("side", [Side.OUTSIDE, Side.INSIDE])
+@pytest.mark.parametrize("turn", [0.1, 0.3, 0.7, 1.1])
+def test_tabs_stay_in_the_last_pass_wherever_that_would_begin(side, turn, milling):
+    # of sides that are alike rounding says which is the longest, another one in each pass
+    angles = 2.0 * np.pi * np.arange(6) / 6 + turn
+    part = Region(Contour.polyline(0.03 * np.stack((np.cos(angles), np.sin(angles)), axis=1)))
+    setting = milling(stock=2e-4, finish=True, lead=1e-3)
+    for count in (1, 3):
+        tabs = Tabs(count=count, length=3e-3, height=1e-3)
+        milled = profile([part], setting, side, tabs)
+        zone = Zone(
+            regions=(part,), floor=-2e-3, side=side.value, cleared=False, tab_height=tabs.height
+        )
+        task = Task(Stock.about(part, margin=0.01, thick=0.006), (zone,))
+        report = verify(milled.actions, task, setting.cutter)
+        assert report.ok, report.text()
+
+
 def test_tabs_want_room(parts, milling):
     with pytest.raises(ValueError, match="have no room"):
         profile([parts["disc"]], milling(), Side.OUTSIDE, Tabs(count=9, length=9e-3, height=1e-3))

@@ -1,7 +1,5 @@
 """Profiles along splines as splines: beside them by the radius, and written as such."""
 
-import shutil
-import subprocess
 from dataclasses import replace
 from itertools import pairwise
 from math import pi
@@ -13,7 +11,6 @@ from splinearm.curves.bspline import BSpline
 from splinearm.curves.curvature import curvature
 from splinearm.errors import GougeError
 from splinearm.toolpaths.action import ArcFeed, Feed, Rapid, SplineFeed
-from splinearm.toolpaths.chain import Wire
 from splinearm.toolpaths.checking import verified
 from splinearm.toolpaths.drawing import Drawing, Drawn
 from splinearm.toolpaths.gcode_check import write_checked
@@ -23,6 +20,7 @@ from splinearm.toolpaths.piece import SplinePiece
 from splinearm.toolpaths.profile_spline import spline_profile
 from splinearm.toolpaths.shape import ellipse_piece
 from splinearm.toolpaths.tab import Tabs
+from splinearm.toolpaths.wire import Wire
 from splinearm.toolpaths.work import Exactness, Kind, Work, carry_out
 
 TOLERANCE = 1e-5
@@ -289,18 +287,12 @@ def test_what_has_no_room_is_told(milling):
         spline_profile(wires, milling(), Side.OUTSIDE, TOLERANCE, tabs)
 
 
-@pytest.mark.skipif(shutil.which("rs274") is None, reason="LinuxCNC's rs274 is not installed")
-def test_linuxcnc_takes_leads_ramps_and_tabs_along_splines(star, milling, tmp_path):
+def test_linuxcnc_takes_leads_ramps_and_tabs_along_splines(star, milling, tmp_path, rs274):
     setting = milling(depth=3e-3, entry=Entry.RAMP, lead=2e-3)
     tabs = Tabs(count=2, length=3e-3, height=1e-3)
     actions, done = profile_of(star, setting, Side.OUTSIDE, tabs=tabs)
     text = check(actions, done)
-    file, table = tmp_path / "part.ngc", tmp_path / "tool.tbl"
+    file = tmp_path / "part.ngc"
     file.write_text(text)
-    table.write_text("T1 P1 D4 Z0\n")
-    told = subprocess.run(
-        ["rs274", "-t", table, "-g", file],
-        capture_output=True, text=True, check=False, timeout=60, stdin=subprocess.DEVNULL,
-    )  # fmt: skip
-    assert "PROGRAM_END" in told.stdout, told.stdout[-400:] + told.stderr[-400:]
+    told = rs274(file)
     assert told.stdout.count("NURBS_G5_FEED") + told.stdout.count("NURBS_FEED") >= text.count("G5 ")

@@ -48,6 +48,8 @@ class Cutter:
             value = getattr(self, name)
             if not (isfinite(value) and value > 0.0):
                 raise ValueError(f"{name}: want a finite number above zero, got {value}")
+        if not isfinite(self.speed):
+            raise ValueError(f"speed: want a finite number, got {self.speed}")
         if self.step_over > self.diameter:
             raise ValueError(
                 f"step_over: want at most the diameter, {self.diameter * 1e3:g} mm, got "

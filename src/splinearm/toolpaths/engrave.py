@@ -4,14 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from splinearm.curves.bspline import BSpline
-
-from .action import ArcFeed, Feed, SplineFeed
-from .chain import Wire
+from .action import ArcFeed, Feed
 from .mill import Mill
 from .operation import Milled, Milling
 from .order import shortest_order
 from .piece import ArcPiece, LinePiece, Piece
+from .wire import Wire
 
 
 def engrave(wires: Sequence[Wire], setting: Milling) -> Milled:
@@ -51,7 +49,7 @@ def engrave(wires: Sequence[Wire], setting: Milling) -> Milled:
 def _follow(mill: Mill, piece: Piece, z: float) -> None:
     """Cut along a piece, level."""
     feed, blend = mill.setting.cutter.feed, mill.setting.blend
-    start = np.array([*piece.start, z]) if mill.place is None else mill.place
+    start = mill.known
     end = np.array([*piece.end, z])
     match piece:
         case LinePiece():
@@ -70,12 +68,6 @@ def _follow(mill: Mill, piece: Piece, z: float) -> None:
                 )
             )
         case _:
-            curve = piece.curve
-            level = np.full((len(curve.points), 1), z)
-            raised = BSpline(
-                curve.knots, np.hstack((curve.points, level)), curve.degree, curve.weights
-            )
-            mill.actions.append(
-                SplineFeed(start=start, end=end, feed=feed, blend=blend, curve=raised)
-            )
+            mill.spline(piece.curve, z, feed)
+            return
     mill.place = end

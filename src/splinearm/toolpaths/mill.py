@@ -56,45 +56,52 @@ class Mill:
         if self.place is not None and self.place[2] != self.setting.safe:
             self.rapid(np.array([self.place[0], self.place[1], self.setting.safe]))
 
+    @property
+    def known(self) -> FloatArray:
+        """Where its tip is, shape (3,), m.
+
+        Raises:
+            ValueError: If it has gone nowhere yet.
+        """
+        if self.place is None:
+            raise ValueError("place: nobody knows where the cutter is; go above first")
+        return self.place
+
     def above(self, spot: FloatArray) -> None:
         """Go over a place of the plane, at the safe height."""
+        over = np.array([spot[0], spot[1], self.setting.safe])
         if self.place is None:
-            # where the machine is nobody knows: it goes up before it goes anywhere
-            self.place = np.array([0.0, 0.0, 0.0])
+            # where the machine is nobody knows: it goes up before it goes anywhere, and then over,
+            # even if that is the origin, from which the way up begins for want of a better place
+            up = np.array([0.0, 0.0, self.setting.safe])
+            self.actions += [Rapid(start=np.zeros(3), end=up), Rapid(start=up, end=over)]
+            self.place = over
         self.lift()
-        self.rapid(np.array([spot[0], spot[1], self.setting.safe]))
+        self.rapid(over)
 
     def rapid(self, end: FloatArray) -> None:
         """Go straight and quickly."""
-        if self.place is None:
-            self.place = np.zeros(3)
-        if (end != self.place).any():
-            self.actions.append(Rapid(start=self.place, end=end))
+        if (end != self.known).any():
+            self.actions.append(Rapid(start=self.known, end=end))
             self.place = end
 
     def straight(self, end: FloatArray, feed: float) -> None:
         """Cut straight to a place."""
-        if self.place is None:
-            raise ValueError("straight: nobody knows where the cutter is; go above first")
-        if (end != self.place).any():
+        if (end != self.known).any():
             self.actions.append(
-                Feed(start=self.place, end=end, feed=feed, blend=self.setting.blend)
+                Feed(start=self.known, end=end, feed=feed, blend=self.setting.blend)
             )
             self.place = end
 
     def drop(self, z: float) -> None:
         """Go straight down (or up) at the feed for that."""
-        if self.place is None:
-            raise ValueError("drop: nobody knows where the cutter is; go above first")
-        self.straight(np.array([self.place[0], self.place[1], z]), self.setting.cutter.plunge)
+        self.straight(np.array([*self.known[:2], z]), self.setting.cutter.plunge)
 
     def down_to(self, surface: float) -> None:
         """Go quickly down to just above material that begins at a height."""
-        if self.place is None:
-            raise ValueError("down_to: nobody knows where the cutter is; go above first")
         height = min(surface + self.setting.gap, self.setting.safe)
-        if self.place[2] > height:
-            self.rapid(np.array([self.place[0], self.place[1], height]))
+        if self.known[2] > height:
+            self.rapid(np.array([*self.known[:2], height]))
 
     def follow(self, track: Track, z: float, feed: float | None = None) -> None:
         """Cut along a way that begins where the cutter is, ending at a height."""
@@ -122,15 +129,14 @@ class Mill:
         return _Way(vertices, centres, lengths, turns.tolist(), feeds.tolist())
 
     def _along(self, way: "_Way", z: float) -> None:
-        if self.place is None:
-            raise ValueError("follow: nobody knows where the cutter is; go above first")
         places = np.empty((len(way.vertices), 3))
         places[:, :2] = way.vertices
         places[:, 2] = z
-        if self.place[2] != z:
+        height = self.known[2]
+        if height != z:
             shares = np.cumsum(way.lengths[:-1]) / way.lengths.sum()
-            places[1:-1, 2] = self.place[2] + shares * (z - self.place[2])
-        places[0] = self.place
+            places[1:-1, 2] = height + shares * (z - height)
+        places[0] = self.known
         centres = np.empty((len(way.centres), 3))
         centres[:, :2] = way.centres
         centres[:, 2] = places[:-1, 2]
@@ -176,6 +182,8 @@ class Mill:
         self._follow_part(track, (at, size), z)
 
     def _follow_part(self, track: Track, part: tuple[float, float], z: float) -> None:
+        if part[0] == part[1]:
+            return
         if track.legs:
             self.follow_pieces(pieces_between(track.legs, *part), track.wall, z)
         else:
@@ -190,16 +198,15 @@ class Mill:
                 self.follow(Track(path, wall), z)
                 continue
             for curve, feed in spline_feeds(piece.curve, wall, cutter.feed, cutter.radius):
-                self._spline(curve, z, feed)
+                self.spline(curve, z, feed)
 
-    def _spline(self, curve: BSpline, z: float, feed: float) -> None:
-        if self.place is None:
-            raise ValueError("follow: nobody knows where the cutter is; go above first")
+    def spline(self, curve: BSpline, z: float, feed: float) -> None:
+        """Cut along a spline of the plane at the height at which the cutter is."""
         raised = np.column_stack((curve.points, np.full(len(curve.points), z)))
-        raised[0] = self.place
+        raised[0] = self.known
         self.actions.append(
             SplineFeed(
-                start=self.place,
+                start=self.known,
                 end=raised[-1],
                 feed=feed,
                 blend=self.setting.blend,

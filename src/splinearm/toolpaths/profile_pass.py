@@ -16,13 +16,19 @@ from .mill import Mill
 from .offset import Offsets, offset
 from .operation import Barrier, Milled, Milling, Notes, Run, Side, Track
 from .order import shortest_order
+from .pocket_side import Ring
 from .region import Region
-from .stretch import begun_at, opened
+from .stretch import begun_at, nearest_along, opened
 from .tab import Tabs, tab_places, with_tabs
 
 
 class Edges(Protocol):
     """The edges of parts, as what they are made of has them."""
+
+    @property
+    def beside(self) -> float:
+        """How far ways may be from their splines where these are cut anew, m."""
+        ...
 
     def wall(self, distance: float) -> Barrier | None:
         """Give what keeps a cutter's middle that far away, if there is such."""
@@ -71,7 +77,14 @@ def cut_edges(edges: Edges, setting: Milling, tabs: Tabs | None) -> Milled:
         mill.setting = replace(setting, stock=0.0, finish=False)
         fine = _ordered(*edges.ways(mill.setting, Notes()))
         mill.wall = edges.wall(mill.setting.reach)
-        around = [places[_nearest(way, rough)] for way in fine]
+        like = [_nearest(way, rough) for way in fine]
+        around = [places[k] for k in like]
+        # what is entered where the passes were is not entered where a tab stays
+        starts = [rough[k].path.vertices[0] for k in like]
+        fine = [
+            way if spots is None else _begun_beside(way, start, edges.beside)
+            for way, spots, start in zip(fine, around, starts, strict=True)
+        ]
         _cut(mill, edges, fine, (around, tabs), setting.levels[-1:], over)
     return mill.milled()
 
@@ -114,6 +127,10 @@ class _Contours:
 
     parts: tuple[Region, ...]
     side: Side
+
+    @property
+    def beside(self) -> float:
+        return 0.0
 
     def wall(self, distance: float) -> Wall | None:
         if self.side is Side.ON:
@@ -173,6 +190,13 @@ def _begun(contour: Contour) -> Contour:
     lines = np.where(contour.bulges == 0.0, lengths, 0.0)
     i = int(lines.argmax()) if lines.any() else int(lengths.argmax())
     return begun_at(contour, float(lengths[:i].sum() + 0.5 * lengths[i]))
+
+
+def _begun_beside(way: Track, place: FloatArray, beside: float) -> Track:
+    """Give a way around begun beside a place."""
+    path = way.path
+    ring = Ring(Contour.made(path.vertices[:-1].copy(), path.bulges), way.legs, beside)
+    return ring.begun_at(nearest_along(ring.contour, place), way.wall)
 
 
 def _held(way: Track, tabs: Tabs | None, mill: Mill, *, opening: bool) -> FloatArray | None:

@@ -1,21 +1,18 @@
-"""Profiles along splines as splines: proven not to gouge, in a tenth of the lines of a program."""
+"""Profiles along splines as splines, proven not to gouge; leads and ramps are arcs beside them."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from .chain import Wire
 from .operation import Milled, Milling, Notes, Side, Track
-from .piece import Piece, SplinePiece
+from .piece import SplinePiece
 from .profile_pass import cut_edges, tell_narrow, turned
-from .spline_leg import begun_well, legs_of, path_of
-from .spline_offset import offset_outline, wire_area
+from .spline_leg import BESIDE, begun_well, legs_of, path_of
+from .spline_offset import offset_outline
 from .spline_wall import SplineWall
 from .tab import Tabs
-
-_BESIDE = 0.01
-"""Share of the tolerance within which arcs are beside splines: ramps go along them."""
+from .wire import Wire
 
 
 def keeps_splines(wires: Iterable[Sequence[Wire]]) -> bool:
@@ -60,6 +57,10 @@ class _Wires:
     side: Side
     tolerance: float
 
+    @property
+    def beside(self) -> float:
+        return BESIDE * self.tolerance
+
     def wall(self, distance: float) -> SplineWall | None:
         if self.side is Side.ON:
             return None
@@ -71,9 +72,9 @@ class _Wires:
         wall = 0 if self.side is Side.ON else setting.wall
         for part in self.parts:
             for wire in self._beside(part, setting.reach, notes):
-                around = self.side is Side.INSIDE or wire_area(wire.pieces) > 0.0
-                pieces = _reversed(wire.pieces) if turn else list(wire.pieces)
-                legs = legs_of(begun_well(pieces), _BESIDE * self.tolerance)
+                around = self.side is Side.INSIDE or wire.area > 0.0
+                pieces = (wire.reversed() if turn else wire).pieces
+                legs = legs_of(begun_well(pieces), self.beside)
                 groups[around].append(Track(path_of(legs), wall, legs=legs))
         return groups
 
@@ -97,7 +98,3 @@ class _Wires:
                 if self.side is Side.INSIDE or not offset_outline(wire, -reach, self.tolerance):
                     tell_narrow(np.mean([piece.start for piece in wire.pieces], axis=0), notes)
         return found
-
-
-def _reversed(pieces: Sequence[Piece]) -> list[Piece]:
-    return [piece.reversed() for piece in reversed(pieces)]

@@ -66,12 +66,13 @@ def with_tabs(track: Track, places: FloatArray, tabs: Tabs, radius: float) -> Tr
     """Give a track that is lifted where tabs stay.
 
     Args:
-        track: A track.
+        track: A track that begins where there is no tab.
         places: Where the tabs are, shape (count, 2), m.
         tabs: What they are like.
         radius: The radius of the cutter, which takes that much more to both sides, m.
     """
     half = 0.5 * tabs.length + radius
-    path = track.path
+    path, whole = track.path, track.path.length
     middles = sorted(nearest_along(path, place) for place in places)
-    return replace(track, lifted=tuple((s - half, s + half) for s in middles))
+    # another way along the contour may be shorter around a corner: none goes over its ends
+    return replace(track, lifted=tuple((max(0.0, s - half), min(whole, s + half)) for s in middles))
