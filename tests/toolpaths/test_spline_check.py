@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from splinearm.curves.bspline import BSpline
 from splinearm.errors import GougeError, OffsetError
 from splinearm.toolpaths.piece import ArcPiece, LinePiece, SplinePiece
-from splinearm.toolpaths.spline_check import check_band, check_complete
+from splinearm.toolpaths.spline_check import check_band, check_clear, check_complete
 from splinearm.toolpaths.spline_offset import offset_outline, offset_spline
 from splinearm.toolpaths.spline_source import source_of
 
@@ -88,6 +88,21 @@ def test_an_exact_arc_passes_only_within_its_band():
         else:
             with pytest.raises(wrong):
                 check_band(source, [ArcPiece.about(np.zeros(2), radius, 0.3, 2.0)], 0.01, 1e-6)
+
+
+def test_curves_of_many_pieces_are_proven():
+    a = 2.0 * np.pi * np.arange(700) / 700
+    inner, outer = (
+        BSpline.closed(np.linspace(0.0, 1.0, 701), r * np.column_stack((np.cos(a), np.sin(a))), 3)
+        for r in (1.0, 1.1)
+    )
+    source = source_of([[SplinePiece(inner)]], 0.1)
+    check_band(source, [SplinePiece(outer)], 0.099, 2e-3)
+    # also a long one behind so many that are far from most of it
+    long_one = BSpline(ENDS, [[1.3, -1.0], [1.2, -0.3], [1.2, 0.3], [1.3, 1.0]], 3)
+    check_clear(source, [SplinePiece(outer), SplinePiece(long_one)], 0.099)
+    with pytest.raises(GougeError):
+        check_band(source, [SplinePiece(outer)], 0.101, 2e-3)
 
 
 def test_a_missing_loop_is_found():

@@ -61,6 +61,30 @@ def sizes(a: FloatArray) -> tuple[float, float]:
 
 
 @fast_kernel
+def discs_of(S: FloatArray) -> FloatArray:
+    """Give discs in which segments lie: centres and radii, shape (k, 3)."""
+    found = np.empty((S.shape[0], 3))
+    for k in range(S.shape[0]):
+        w = S[k, 0, 2]
+        x, y = S[k, 0, 0] / w, S[k, 0, 1] / w
+        p, stray = 0.0, 0.0
+        for j in range(1, S.shape[1]):
+            p += math.hypot(S[k, j, 0] - x * S[k, j, 2], S[k, j, 1] - y * S[k, j, 2])
+            stray += abs(S[k, j, 2])
+        radius = p / (w - stray) if stray < w else math.inf
+        found[k, 0], found[k, 1], found[k, 2] = x, y, radius * (1.0 + 1e-12) + 1e-14
+    return found
+
+
+@fast_kernel
+def is_beyond(discs: FloatArray, k: int, x: float, y: float, reach: float) -> bool:
+    """Say whether all of a segment's disc is farther from a point."""
+    dx, dy, r = discs[k, 0] - x, discs[k, 1] - y, discs[k, 2] + reach
+    beyond: bool = dx * dx + dy * dy > r * r
+    return beyond
+
+
+@fast_kernel
 def coefficients(
     c: FloatArray, r: FloatArray, t: float, u: float, d: float
 ) -> tuple[float, float, float, float]:

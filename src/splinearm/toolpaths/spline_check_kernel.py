@@ -14,8 +14,10 @@ from .spline_bound_kernel import (
     BEYOND,
     along,
     coefficients,
+    discs_of,
     feet,
     foot_of,
+    is_beyond,
     nodes_of,
     part_of,
     sizes,
@@ -24,7 +26,7 @@ from .spline_bound_kernel import (
 from .spline_jet_kernel import jet, nearest_place
 
 _BOXES = 400_000
-"""So many boxes are looked at and no more."""
+"""So many boxes of parts that are not far apart are looked at and no more."""
 _LARGE = 0.1
 """Boxes of larger parts, of curves of about 1, are halved without a closer look."""
 _LOOKS = 32
@@ -96,9 +98,12 @@ def first_nearer(
     nodes = nodes_of(degrees[0]), nodes_of(degrees[1])
     c, r = np.empty((R.shape[1], 3)), np.empty((S.shape[1], 3))
     stack, work = np.empty((512, 4)), (np.empty(4), np.empty((4, 2)))
+    ours, theirs = discs_of(R), discs_of(S)
     boxes = 0
     for i in range(R.shape[0]):
         for k in range(S.shape[0]):
+            if is_beyond(theirs, k, ours[i, 0], ours[i, 1], d + ours[i, 2]):
+                continue
             top = 1
             stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3] = -1.0, 1.0, -1.0, 1.0
             while top:
@@ -155,7 +160,7 @@ def first_farther(
     """
     nodes = nodes_of(degrees[0])
     c, r, f = np.empty((R.shape[1], 3)), np.empty((S.shape[1], 3)), np.empty(4)
-    stack = np.empty((128, 2))
+    stack, discs = np.empty((128, 2)), discs_of(S)
     k = 0
     for i in range(R.shape[0]):
         top = 1
@@ -167,20 +172,14 @@ def first_farther(
             x, y = c[0, 0] / c[0, 2], c[0, 1] / c[0, 2]
             U, away = nearest_place(S, k, k + 1.0, x, y, 4)
             if away > d:
-                for j in range(S.shape[0]):
-                    V, near = nearest_place(S, j, j + 1.0, x, y, _LOOKS)
-                    if near < away:
-                        U, away, k = V, near, j
+                U, away, k = _nearest(S, discs, (U, away, k), x, y)
             if away > d:
                 return i, 0.5 * (t0 + t1)
             part_of(S, k, -1.0, 1.0, r)
             if _reached(c, r, 2.0 * (U - k) - 1.0, d, degrees[0], nodes, f):
                 continue
             # what is nearest was sought in few places
-            for j in range(S.shape[0]):
-                V, near = nearest_place(S, j, j + 1.0, x, y, _LOOKS)
-                if near < away:
-                    U, away, k = V, near, j
+            U, away, k = _nearest(S, discs, (U, away, k), x, y)
             part_of(S, k, -1.0, 1.0, r)
             if _reached(c, r, 2.0 * (U - k) - 1.0, d, degrees[0], nodes, f):
                 continue
@@ -191,6 +190,28 @@ def first_farther(
             stack[top + 1, 0], stack[top + 1, 1] = middle, t1
             top += 2
     return -1, 0.0
+
+
+@fast_kernel
+def _nearest(
+    S: FloatArray, discs: FloatArray, known: tuple[float, float, int], x: float, y: float
+) -> tuple[float, float, int]:
+    """Give the place of all segments that is nearest to a point, how far it is, and the segment.
+
+    Args:
+        S: Segments.
+        discs: In which they lie.
+        known: The same of a place that is known already.
+        x: The point's
+        y: coordinates.
+    """
+    U, away, k = known
+    for j in range(S.shape[0]):
+        if not is_beyond(discs, j, x, y, away):
+            V, near = nearest_place(S, j, j + 1.0, x, y, _LOOKS)
+            if near < away:
+                U, away, k = V, near, j
+    return U, away, k
 
 
 @fast_kernel
@@ -240,6 +261,7 @@ def first_missing(
         tolerance: And how much farther they may be.
     """
     D = d + tolerance
+    ours, theirs = discs_of(R), discs_of(S)
     for k in range(S.shape[0]):
         for look in range(_PROBES):
             s = -1.0 + (2.0 * look + 1.0) / _PROBES
@@ -249,13 +271,18 @@ def first_missing(
             free = True
             for looks in (4, _LOOKS):
                 for j in range(S.shape[0]):
-                    if free:
-                        _, away = nearest_place(S, j, j + 1.0, x, y, looks)
-                        free = away >= D * (1.0 - 1e-12)
+                    if is_beyond(theirs, j, x, y, D):
+                        continue
+                    _, away = nearest_place(S, j, j + 1.0, x, y, looks)
+                    free = free and away >= D * (1.0 - 1e-12)
+                    if not free:
+                        break
             if not free:
                 continue
             there = False
             for i in range(R.shape[0]):
+                if is_beyond(ours, i, x, y, 2.0 * tolerance):
+                    continue
                 _, away = nearest_place(R, i, i + 1.0, x, y, 4)
                 if away <= 2.0 * tolerance:
                     there = True

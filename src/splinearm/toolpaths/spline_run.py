@@ -5,10 +5,11 @@ polished on the true offsets. Splines meet in the middle of the band in which th
 where they stray to both sides alike; lines, arcs and corners meet others at its near edge.
 """
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import atan2, pi
+from math import atan2, inf, pi
 
 import numpy as np
 
@@ -79,6 +80,7 @@ class Outline:
     ) -> None:
         self.source, self.cusps, self.closed = source, cusps, closed
         self.near, self.distance = band[0], 0.5 * (band[0] + band[1])
+        self._backwards = [self._backward(c) for c in range(len(source.chains))]
 
     def tracks(self, tolerance: float) -> list[Track]:
         """Give the offset as tracks.
@@ -123,8 +125,11 @@ class Outline:
         cut: list[Rough] = []
         for run in runs:
             start = run
-            for c1, c2 in [] if run.corner else self._backward(run.chain):
-                if start.start < c1 and c2 < run.end:
+            backwards = [] if run.corner else self._backwards[run.chain]
+            for c1, c2 in backwards[bisect_left(backwards, (run.start, inf)) :]:
+                if c2 >= run.end:
+                    break
+                if start.start < c1:
                     first, second = self._loop_at(start, c1, c2)
                     cut.append(replace(start, numbers=(start.numbers[0], -4), end=first))
                     start = replace(run, numbers=(-8, run.numbers[1]), start=second)
@@ -138,16 +143,16 @@ class Outline:
         """
         if run.corner or before.corner or before.chain != run.chain or before.end > run.start:
             return False
-        a, b = before.end, run.start
-        for c1, c2 in self._backward(run.chain):
-            if a <= c1 and c2 <= b:
-                return False
+        backwards = self._backwards[run.chain]
+        k = bisect_left(backwards, (before.end,))
+        if k < len(backwards) and backwards[k][1] <= run.start:
+            return False
         before.end, before.last = run.end, run.last
         before.numbers = before.numbers[0], run.numbers[1]
         return True
 
     def _backward(self, c: int) -> list[tuple[float, float]]:
-        """Give from where to where the offset of a chain runs backwards."""
+        """Give from where to where the offset of a chain runs backwards, rising."""
         from .spline_jet_kernel import moved
 
         lo, hi = self.source.limits(c)
