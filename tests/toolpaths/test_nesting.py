@@ -5,10 +5,11 @@ import pytest
 
 from splinearm.curves.bspline import BSpline
 from splinearm.errors import ContourError
-from splinearm.toolpaths.chain import Wire, chain
+from splinearm.toolpaths.chain import chain
 from splinearm.toolpaths.contour import Contour
 from splinearm.toolpaths.nesting import circles, contour_of, nested
 from splinearm.toolpaths.piece import ArcPiece, LinePiece, SplinePiece
+from splinearm.toolpaths.wire import Wire
 
 pytestmark = pytest.mark.kernel
 

@@ -12,10 +12,10 @@ from splinearm.curves.conic import arc, line
 from splinearm.curves.curvature import curvature
 from splinearm.curves.projection import Projection
 from splinearm.errors import CurveError, GougeError, OffsetError, ToolpathError
-from splinearm.toolpaths.chain import Wire
 from splinearm.toolpaths.contour import Contour
 from splinearm.toolpaths.piece import ArcPiece, LinePiece, SplinePiece
-from splinearm.toolpaths.spline_offset import offset_outline, offset_spline, wire_area
+from splinearm.toolpaths.spline_offset import offset_outline, offset_spline
+from splinearm.toolpaths.wire import Wire
 
 GOUGE = 1e-12  # m: 1e-9 mm
 
@@ -231,12 +231,12 @@ def closed_curves(draw):
 @given(closed_curves(), st.floats(-0.02, 0.02))
 def test_outlines_grow_and_shrink_without_a_gouge(curve, distance):
     assume(abs(distance) > 1e-4)
-    given_area = abs(wire_area([SplinePiece(curve)]))
+    given_area = abs(Wire((SplinePiece(curve),), closed=True).area)
     wires = offset_outline([SplinePiece(curve)], distance, 1e-6)
     for wire in wires:
         assert wire.closed
         check_between(curve, wire.pieces, abs(distance), 1e-6)
-    area = sum(wire_area(wire.pieces) for wire in wires)
+    area = sum(wire.area for wire in wires)
     assert (area > given_area) == (distance > 0.0)
 
 
@@ -265,7 +265,7 @@ def test_closed_splines_keep_the_right_loops_at_fine_tolerances(name, distance, 
 
 def test_what_an_outline_encloses_is_on_its_left_and_a_closed_opening_becomes_a_hole():
     wires = offset_outline([SplinePiece(c_shape())], 0.023, 1e-5)
-    areas = sorted(wire_area(wire.pieces) for wire in wires)
+    areas = sorted(wire.area for wire in wires)
     assert areas[0] < 0.0 < areas[1]
 
 
@@ -274,7 +274,7 @@ def test_the_direction_and_the_seam_of_an_outline_do_not_matter():
     wire = [SplinePiece(curve)]
     first, second = curve.split(0.37)
     ways = [wire, [wire[0].reversed()], [SplinePiece(second), SplinePiece(first)]]
-    areas = [wire_area(offset_outline(way, -0.006, 1e-6)[0].pieces) for way in ways]
+    areas = [offset_outline(way, -0.006, 1e-6)[0].area for way in ways]
     length = wire[0].length
     assert areas == pytest.approx([areas[0]] * 3, abs=length * 1e-6)
 
@@ -284,8 +284,8 @@ def test_a_convex_outline_grows_by_its_length_and_a_circle():
     round_one = ring(lambda a: 60.0 + 3.0 * np.cos(2.0 * a), 12)
     (wire,) = offset_outline([SplinePiece(round_one)], 0.01, 1e-8)
     length = round_one.length()
-    exact = wire_area([SplinePiece(round_one)]) + 0.01 * length + pi * 1e-4
-    assert wire_area(wire.pieces) == pytest.approx(exact, abs=1e-8 * (length + 0.07))
+    exact = Wire((SplinePiece(round_one),), closed=True).area + 0.01 * length + pi * 1e-4
+    assert wire.area == pytest.approx(exact, abs=1e-8 * (length + 0.07))
 
 
 def test_what_is_left_of_nothing_is_nothing():
@@ -330,9 +330,9 @@ def test_an_island_grows_into_what_is_left_of_its_part():
     part = ring(lambda a: 60.0 + 0.0 * a, 12)
     island = ring(lambda a: 20.0 + 2.0 * np.cos(3.0 * a), 12)
     wires = offset_outline([SplinePiece(part)], -0.005, 1e-6, islands=[[SplinePiece(island)]])
-    areas = [wire_area(wire.pieces) for wire in wires]
+    areas = [wire.area for wire in wires]
     assert sorted(np.sign(areas)) == [-1.0, 1.0]
-    assert -min(areas) > abs(wire_area([SplinePiece(island)]))
+    assert -min(areas) > abs(Wire((SplinePiece(island),), closed=True).area)
     for wire, curve in zip(wires, (part, island), strict=True):
         check_between(curve, wire.pieces, 0.005, 1e-6)
 

@@ -15,11 +15,17 @@ from splinearm.curves.bspline import BSpline
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Rapid:
-    """A straight way as quick as the machine is."""
+class Step:
+    """What all that a machine does has in common."""
 
     line: int = 0
     """The line of the program, from 1; 0 if no program says it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Moving(Step):
+    """What ways of the tool have in common; they are straight if they are nothing else."""
+
     start: FloatArray
     """Where it begins, shape (3,), m."""
     end: FloatArray
@@ -32,15 +38,14 @@ class Rapid:
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Cutting:
+class Rapid(Moving):
+    """A straight way as quick as the machine is."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Cutting(Moving):
     """What ways that cut have in common."""
 
-    line: int = 0
-    """The line of the program, from 1; 0 if no program says it."""
-    start: FloatArray
-    """Where it begins, shape (3,), m."""
-    end: FloatArray
-    """Where it ends, shape (3,), m."""
     feed: float | None
     """How fast, m/s; None: ``time`` says how long it takes."""
     time: float | None = None
@@ -56,11 +61,6 @@ class Cutting:
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Feed(Cutting):
     """A straight way."""
-
-    @property
-    def length(self) -> float:
-        """How long it is, m."""
-        return float(np.linalg.norm(self.end - self.start))
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -122,61 +122,49 @@ class SplineFeed(Cutting):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Dwell:
+class Dwell(Step):
     """A rest."""
 
-    line: int = 0
-    """The line of the program."""
     time: float
     """How long, s."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Spindle:
+class Spindle(Step):
     """The spindle is switched."""
 
-    line: int = 0
-    """The line of the program."""
     speed: float
     """How fast it turns, rad/s: above 0 clockwise seen from the machine, below 0 the other way."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ToolChange:
+class ToolChange(Step):
     """Another tool is taken."""
 
-    line: int = 0
-    """The line of the program."""
     tool: int
     """Its number; 0: none."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Switch:
+class Switch(Step):
     """Something else is switched: coolant, overrides, outputs."""
 
-    line: int = 0
-    """The line of the program."""
     code: str
     """The code, as in "M8"."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Pause:
+class Pause(Step):
     """The program waits for a person, or ends."""
 
-    line: int = 0
-    """The line of the program."""
     code: str
     """M0, M1, M60, M2 or M30."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Message:
+class Message(Step):
     """Something is said to the person at the machine."""
 
-    line: int = 0
-    """The line of the program."""
     text: str
     """What is said."""
 

@@ -9,13 +9,13 @@ from splinearm.arrays import FloatArray
 from splinearm.curves.bspline import BSpline
 from splinearm.errors import ToolpathError
 
-from .chain import Wire
 from .contour import Contour
 from .offset import offset
 from .piece import ArcPiece, LinePiece, Piece, SplinePiece
 from .region import Region
 from .spline_check import check_band
 from .spline_source import Chain, Source, source_of
+from .wire import Wire
 
 _STRAIGHT = 1e-12
 """A bulge below this is a line: the arc over a chord is higher by less than half of this share."""

@@ -10,7 +10,7 @@ import numpy as np
 from splinearm.arrays import FloatArray
 
 from .piece import ArcPiece, Piece, is_full_circle
-from .wire import Wire as Wire
+from .wire import Wire
 
 _Spot = tuple[int, int]
 

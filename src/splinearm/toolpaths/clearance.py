@@ -11,6 +11,7 @@ from splinearm.arrays import FloatArray
 from splinearm.errors import GougeError
 
 from .contour import Contour, joined
+from .stretch import there_and_back
 
 ROUNDING = 1e-10
 """What a distance may be off by, as a share of the size of the part."""
@@ -55,7 +56,7 @@ class Wall:
         several = tuple(ways)
         if not several:
             return
-        least, x, y = self._least(*_there_and_back(several))
+        least, x, y = self._least(*joined(w if w.closed else there_and_back(w) for w in several))
         if least < self._needed:
             where = np.array([x, y]) * self.unit + self.origin
             depth = self.distance - least * self.unit
@@ -85,15 +86,3 @@ class Wall:
         measured(R, self.rows, self.distance / self.unit, 1e-6, found)
         least, x, y = found[:3].tolist()
         return least, x, y
-
-
-def _there_and_back(ways: tuple[Contour, ...]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Give ways as loops: closed ones as they are, open ones there and back."""
-    loops = []
-    for way in ways:
-        if way.closed:
-            loops.append(way)
-        else:
-            vertices = np.concatenate((way.vertices, way.vertices[-2:0:-1]))
-            loops.append(Contour.made(vertices, np.concatenate((way.bulges, -way.bulges[::-1]))))
-    return joined(loops)

@@ -9,7 +9,7 @@ import numpy as np
 from splinearm.arrays import FloatArray
 from splinearm.trajectories.point_to_point import ROWS, compiled_motion
 
-from .action import Action, ArcFeed, Cutting, Dwell, Rapid, SplineFeed
+from .action import Action, ArcFeed, Cutting, Dwell, Moving, SplineFeed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,7 +60,7 @@ def estimate(actions: Iterable[Action], drive: Drive | None = None) -> float:
     total = 0.0
     blocks: list[_Block] = []
     for action in actions:
-        if isinstance(action, Rapid | Cutting):
+        if isinstance(action, Moving):
             block = _block(action, drive)
             if block is not None:
                 blocks.append(block)
@@ -72,8 +72,8 @@ def estimate(actions: Iterable[Action], drive: Drive | None = None) -> float:
     return total + _time(blocks, drive)
 
 
-def _block(move: "Rapid | Cutting", drive: Drive) -> _Block | None:
-    length = float(getattr(move, "length", 0.0))
+def _block(move: Moving, drive: Drive) -> _Block | None:
+    length = move.length
     if not length > 0.0:
         return None
     if isinstance(move, Cutting):

@@ -10,10 +10,11 @@ from splinearm.arrays import FloatArray
 from splinearm.errors import ContourError
 
 from .biarc import outline_arcs
-from .chain import Wire
 from .contour import Contour, joined
 from .piece import ArcPiece, SplinePiece, is_full_circle
 from .region import Region
+from .stretch import amid_longest
+from .wire import Wire
 
 _TINY = 1e-10
 """Segments that meet nearer to their ends than this share of the size do not cross there."""
@@ -115,7 +116,7 @@ def _members(contours: Sequence[Contour]) -> list[list[int]]:
 
     Contours in an even number of others are outlines, the others openings.
     """
-    spots = np.array([_spot(contour) for contour in contours])
+    spots = np.array([amid_longest(contour) for contour in contours])
     within = np.array([contour.contains(spots) for contour in contours])
     np.fill_diagonal(within, val=False)
     depth = within.sum(axis=0)
@@ -128,13 +129,3 @@ def _region(contours: Sequence[Contour]) -> Region:
     outer, *inner = contours
     outer = outer if outer.area > 0.0 else outer.reversed()
     return Region.made(outer, tuple(i if i.area < 0.0 else i.reversed() for i in inner))
-
-
-def _spot(contour: Contour) -> FloatArray:
-    """Give the middle of a contour's longest segment: where it touches others least."""
-    longest = int(contour.lengths.argmax())
-    start, end = contour.starts[longest], contour.ends[longest]
-    way = end - start
-    height = 0.5 * contour.bulges[longest]
-    middle: FloatArray = 0.5 * (start + end) + height * np.array([way[1], -way[0]])
-    return middle

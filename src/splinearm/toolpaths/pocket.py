@@ -1,18 +1,17 @@
 """Pockets cleared by parallel contours, each from the part, from the inside to the outside."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from splinearm.arrays import FloatArray
 from splinearm.errors import OffsetError
 
+from .clearing import clear
 from .contour import Contour, joined
-from .lead_in import with_leads
-from .mill import Mill
 from .operation import Milled, Milling, Notes, Run, Track
-from .pocket_side import ContourSides, Ring, Sides, along_walls, tell_narrow
+from .pocket_side import ContourSides, Ring, Sides
 from .region import Region
 from .ridge import ridge_ways
 
@@ -43,31 +42,7 @@ def pocket(parts: Sequence[Region], setting: Milling) -> Milled:
 
 def pocket_within(parts: Sequence[Sides], setting: Milling) -> Milled:
     """Clear what lies within sides: see `pocket`."""
-    if not parts:
-        raise ValueError("parts: want at least one")
-    mill = Mill(setting)
-    for sides in parts:
-        mill.wall = sides.wall(setting)
-        runs = pocket_runs(sides, setting, mill.notes)
-        if not runs:
-            tell_narrow(sides, mill.notes)
-            continue
-        mill.cut(runs, setting.levels)
-        if setting.finish:
-            finish(mill, sides)
-    return mill.milled()
-
-
-def finish(mill: Mill, sides: Sides) -> None:
-    """Take off what was left on the sides of a pocket, at full depth."""
-    setting = mill.setting
-    mill.setting = fine = replace(setting, stock=0.0, finish=False)
-    mill.wall = sides.wall(fine)
-    ways = along_walls(sides, fine, mill.notes)
-    sides.require_clear(ways, fine)
-    runs = [with_leads(way, mill.wall, setting.lead, mill.notes) for way in ways]
-    mill.cut(runs, setting.levels[-1:], whole=True)
-    mill.setting = setting
+    return clear(parts, setting, lambda sides, mill: pocket_runs(sides, setting, mill.notes))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

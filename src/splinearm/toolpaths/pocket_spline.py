@@ -1,4 +1,4 @@
-"""Sides with splines, and rings along them: proven not to gouge, in far fewer lines than arcs."""
+"""Sides with splines, and rings along them that are splines themselves, proven not to gouge."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -6,23 +6,18 @@ from functools import cached_property
 
 from splinearm.errors import GougeError, OffsetError, ToolpathError
 
-from .chain import Wire
 from .clearance import Wall
 from .contour import Contour
 from .nesting import Nested
 from .offset import Offsets
 from .operation import Milling, Notes, Track
-from .piece import Piece
 from .pocket_side import ContourSides, Ring, Sides, contour_rings
 from .profile_spline import keeps_splines
 from .region import Region
-from .spline_leg import legs_of, path_of
+from .spline_leg import BESIDE, legs_of, path_of
 from .spline_offset import offset_outline
 from .spline_wall import SplineWall
-
-_BESIDE = 0.01
-"""Share of the tolerance within which arcs are beside splines: ramps go along them."""
-
+from .wire import Wire
 
 _MOST_UNPROVEN = 2
 """Where so many rings of a region were not proven, others are not tried."""
@@ -105,16 +100,11 @@ class SplineSides:
     def _beside(self, distance: float, wall: int) -> list[Ring]:
         """Give the proven rings at a distance, in the direction of cutting."""
         outline, *openings = self.wires
-        beside = _BESIDE * self.tolerance
+        beside = BESIDE * self.tolerance
         found = offset_outline(outline, -distance, self.tolerance, islands=openings)
         rings = []
         for wire in found:
-            pieces = list(wire.pieces) if wall == -1 else _reversed(wire.pieces)
-            legs = legs_of(pieces, beside)
+            legs = legs_of((wire if wall == -1 else wire.reversed()).pieces, beside)
             path = path_of(legs)
             rings.append(Ring(Contour.made(path.vertices[:-1], path.bulges), legs, beside))
         return rings
-
-
-def _reversed(pieces: Sequence[Piece]) -> list[Piece]:
-    return [piece.reversed() for piece in reversed(pieces)]

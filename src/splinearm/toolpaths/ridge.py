@@ -18,7 +18,7 @@ from splinearm.arrays import FloatArray
 from .contour import Contour, joined
 from .offset import Offsets
 from .region import Region
-from .stretch import stretch
+from .stretch import stretch, there_and_back
 
 _STEP = 0.1
 """Looks along a contour are so many radii apart."""
@@ -81,6 +81,4 @@ def _stretches(
         if end - begin >= whole:
             yield contour
             return
-        path = stretch(contour, begin, end)
-        vertices = np.concatenate((path.vertices, path.vertices[-2:0:-1]))
-        yield Contour.made(vertices, np.concatenate((path.bulges, -path.bulges[::-1])))
+        yield there_and_back(stretch(contour, begin, end))

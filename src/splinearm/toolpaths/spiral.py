@@ -7,12 +7,12 @@ import numpy as np
 
 from splinearm.arrays import FloatArray
 
+from .clearing import clear
 from .contour import Contour
-from .mill import Mill
 from .offset import Offsets
-from .operation import Milled, Milling, Run, Track
-from .pocket import finish, pocket_runs
-from .pocket_side import ContourSides, Ring, Sides, tell_narrow
+from .operation import Milled, Milling, Notes, Run, Track
+from .pocket import pocket_runs
+from .pocket_side import ContourSides, Ring, Sides
 from .region import Region
 from .stretch import begun_at, nearest_along, place_on, stretch
 
@@ -43,36 +43,27 @@ def spiral(parts: Sequence[Region], setting: Milling) -> Milled:
 
 def spiral_within(parts: Sequence[Sides], setting: Milling) -> Milled:
     """Clear what lies within sides on ways that wind outwards: see `spiral`."""
-    if not parts:
-        raise ValueError("parts: want at least one")
-    mill = Mill(setting)
+    return clear(parts, setting, lambda sides, mill: _spiral_runs(sides, setting, mill.notes))
+
+
+def _spiral_runs(sides: Sides, setting: Milling, notes: Notes) -> list[Run]:
+    """Give the way that winds outwards through a part, or where there is none parallel contours."""
+    rooms = sides.offsets.at(-sides.reach(setting))
+    if not rooms:
+        return []
     radius = setting.cutter.radius
-    most = radius * _PARTS / (_PARTS + 2)
-    if setting.over > most:
-        mill.notes.add(
-            f"turns of a spiral are {most * 1e3:.6g} mm apart: farther would leave ridges"
-        )
-    for sides in parts:
-        mill.wall = sides.wall(setting)
-        reach = sides.reach(setting)
-        rooms = sides.offsets.at(-reach)
-        if not rooms:
-            tell_narrow(sides, mill.notes)
-            continue
-        way = None
-        if sum(len(room.contours) for room in rooms) == 1:
-            (ring,) = sides.rings(rooms, 0.0, setting, mill.notes)
-            way = _wound(sides, ring, min(setting.over, most - sides.spare), setting)
-        if way is None:
-            mill.notes.add("a pocket with islands or necks is cleared by parallel contours instead")
-            own = replace(setting, step_over=min(setting.over, radius))
-            runs = pocket_runs(sides, own, mill.notes)
-        else:
-            runs = [Run(tuple(way))]
-        mill.cut(runs, setting.levels)
-        if setting.finish:
-            finish(mill, sides)
-    return mill.milled()
+    if sum(len(room.contours) for room in rooms) == 1:
+        most = radius * _PARTS / (_PARTS + 2)
+        (ring,) = sides.rings(rooms, 0.0, setting, notes)
+        way = _wound(sides, ring, min(setting.over, most - sides.spare), setting)
+        if way is not None:
+            if setting.over > most:
+                notes.add(
+                    f"turns of a spiral are {most * 1e3:.6g} mm apart: farther would leave ridges"
+                )
+            return [Run(tuple(way))]
+    notes.add("a pocket with islands or necks is cleared by parallel contours instead")
+    return pocket_runs(sides, replace(setting, step_over=min(setting.over, radius)), notes)
 
 
 def _wound(sides: Sides, ring: Ring, step: float, setting: Milling) -> list[Track] | None:

@@ -14,6 +14,8 @@ from .piece import ArcPiece, LinePiece, Piece, SplinePiece
 from .spline_source import source_of
 from .stretch import place_on, stretch
 
+BESIDE = 0.01
+"""Share of the tolerance of a way within which arcs are beside its splines."""
 _TINY = 1e-9
 """Share of its length below which nothing is left of a piece."""
 _SLIVER = 1e-3

@@ -6,17 +6,16 @@ import numpy as np
 
 from splinearm.arrays import FloatArray
 from splinearm.curves.bspline import BSpline
-from splinearm.curves.conic import elliptic_arc, line
 from splinearm.curves.feature import where_curvature_is
 from splinearm.errors import GougeError, OffsetError
 
-from .chain import Wire
-from .piece import ArcPiece, LinePiece, Piece, SplinePiece
+from .piece import Piece, SplinePiece
 from .spline_check import check_band, check_complete
 from .spline_path import track_pieces
 from .spline_rough import UnclearError
 from .spline_run import Outline, Track
 from .spline_source import Source, source_of
+from .wire import Wire, curve_of
 
 _BANDS = ((0.02, 0.98), (0.04, 0.96), (0.1, 0.9), (0.02, 0.3), (0.02, 0.1))
 """Shares of the tolerance between which it is fitted, in turn until the check passes.
@@ -58,7 +57,7 @@ def offset_spline(curve: BSpline, distance: float, tolerance: float) -> tuple[BS
     """
     _check_numbers(distance, tolerance)
     wires = _offset_wires([[SplinePiece(curve)]], distance, tolerance, closed=curve.is_closed())
-    return tuple(_as_curve(piece) for wire in wires for piece in wire.pieces)
+    return tuple(curve_of(piece) for wire in wires for piece in wire.pieces)
 
 
 def offset_outline(
@@ -104,20 +103,6 @@ def offset_outline(
     return tuple(found)
 
 
-def _as_curve(piece: Piece) -> BSpline:
-    """Give a piece as a B-spline."""
-    if isinstance(piece, SplinePiece):
-        return piece.curve
-    if isinstance(piece, LinePiece):
-        return line(piece.start, piece.end)
-    arm = piece.start - piece.centre
-    first = float(np.arctan2(arm[1], arm[0]))
-    arc = elliptic_arc((piece.radius, piece.radius), first, first + piece.turn)
-    points = arc.points + piece.centre
-    points[0], points[-1] = piece.start, piece.end
-    return BSpline(arc.knots, points, arc.degree, arc.weights)
-
-
 def _cusps(source: Source, distance: float) -> list[FloatArray]:
     """Give the places of each chain where its offset to the left turns back."""
     found = []
@@ -152,35 +137,7 @@ def _left_of(outline: Wire | Sequence[Piece], side: float) -> list[Piece]:
                 f"outline: piece {k} begins at {piece.start.tolist()}, "
                 f"and the one before it ends at {pieces[k - 1].end.tolist()}"
             )
-    return pieces if side * wire_area(pieces) > 0.0 else _reversed(pieces)
-
-
-def wire_area(pieces: Sequence[Piece]) -> float:
-    """Give the area that closed pieces go around, to the left positive, m2; splines to rounding."""
-    origin = pieces[0].start
-    total = 0.0
-    for piece in pieces:
-        a, b = piece.start - origin, piece.end - origin
-        if isinstance(piece, SplinePiece):
-            total += _swept(piece.curve, origin)
-            continue
-        total += 0.5 * float(a[0] * b[1] - a[1] * b[0])
-        if isinstance(piece, ArcPiece):
-            total += 0.5 * piece.radius**2 * (piece.turn - float(np.sin(piece.turn)))
-    return total
-
-
-def _swept(curve: BSpline, origin: FloatArray) -> float:
-    """Give the area swept by the arm from a point to a curve."""
-    order = 2 * curve.degree + (8 if curve.is_rational else 0)
-    nodes, weights = np.polynomial.legendre.leggauss(order)
-    ends = curve.breaks
-    half = 0.5 * np.diff(ends)
-    u = (0.5 * (ends[:-1] + ends[1:]))[:, None] + half[:, None] * nodes
-    jets = curve.jet(u, 1)
-    arm, way = jets[..., 0, :] - origin, jets[..., 1, :]
-    cross = arm[..., 0] * way[..., 1] - arm[..., 1] * way[..., 0]
-    return float(0.5 * (cross * weights * half[:, None]).sum())
+    return pieces if side * Wire(tuple(pieces), closed=True).area > 0.0 else _reversed(pieces)
 
 
 def _offset_wires(

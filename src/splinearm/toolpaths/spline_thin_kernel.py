@@ -100,6 +100,25 @@ def _set_feet(
 
 
 @kernel
+def _settled(
+    S: FloatArray,
+    chain: tuple[float, float],
+    spline: tuple[FloatArray, FloatArray, FloatArray],
+    low: int,
+    high: int,
+    band: tuple[float, float],
+) -> float:
+    """Set the places beside the knots, and give how far a spline strays about some of its points.
+
+    That is in halves of the band, closely looked at, from control point ``low`` to ``high``.
+    """
+    _set_feet(S, chain, spline)
+    last = min(len(spline[0]) - 1, high + 3)
+    P = looks_at(spline[1], spline[2], max(3, low), last, _CLOSE_LOOKS)
+    return stray(S, chain, spline[0], spline[1], band, P)
+
+
+@kernel
 def _cost(
     S: FloatArray,
     chain: tuple[float, float],
@@ -131,9 +150,7 @@ def _tried(
         worst = pressed(S, chain, found, (low, high, looks, _GOAL), band, ends)
         if worst > 1.0:
             break
-        _set_feet(S, chain, found)
-        P = looks_at(found[1], found[2], max(3, low), min(m - 1, high + 3), _CLOSE_LOOKS)
-        worst = stray(S, chain, found[0], found[1], band, P)
+        worst = _settled(S, chain, found, low, high, band)
         if worst <= 1.0:
             break
     return worst, found
@@ -154,9 +171,7 @@ def _evened(
     m = len(found[0])
     low, high = max(0, c - reach), min(m - 1, c + reach)
     pressed(S, chain, found, (low, high, _MORE_LOOKS, 0.0), band, ends)
-    _set_feet(S, chain, found)
-    P = looks_at(found[1], found[2], max(3, low), min(m - 1, high + 3), _CLOSE_LOOKS)
-    return found if stray(S, chain, found[0], found[1], band, P) <= 1.0 else spline
+    return found if _settled(S, chain, found, low, high, band) <= 1.0 else spline
 
 
 @kernel

@@ -7,10 +7,10 @@ from typing import Self
 from splinearm.arrays import FloatArray
 from splinearm.errors import GougeError, OffsetError
 
-from .chain import Wire
 from .piece import ArcPiece, LinePiece, Piece
 from .spline_check import check_clear
 from .spline_source import Source, source_of
+from .wire import Wire
 
 _STRAIGHT = 1e-12
 """A bulge below this is a line."""

@@ -101,6 +101,18 @@ def opened(contour: Contour) -> Contour:
     return Contour.made(vertices, np.array(contour.bulges), closed=False)
 
 
+def there_and_back(contour: Contour) -> Contour:
+    """Give the closed contour along an open one and back."""
+    vertices = np.concatenate((contour.vertices, contour.vertices[-2:0:-1]))
+    return Contour.made(vertices, np.concatenate((contour.bulges, -contour.bulges[::-1])))
+
+
+def amid_longest(contour: Contour) -> FloatArray:
+    """Give the middle of a contour's longest line or arc, shape (2,): where it touches least."""
+    i = int(contour.lengths.argmax())
+    return place_at(contour.starts[i], contour.ends[i], float(contour.bulges[i]), 0.5)
+
+
 def place_on(contour: Contour, along: float) -> tuple[FloatArray, FloatArray]:
     """Give a place on a contour and the direction there, shapes (2,), by how far along it is, m."""
     marks = np.concatenate(([0.0], np.cumsum(contour.lengths)))

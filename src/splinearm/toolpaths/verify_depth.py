@@ -51,7 +51,7 @@ def way_faults(
 
 def _feeds(move: Cutting, cutter: Cutter, place: tuple[float, float, float]) -> Iterator[Fault]:
     """Give whether a way that cuts is quicker than it may be."""
-    length = float(getattr(move, "length", 0.0))
+    length = move.length
     speed = move.feed if move.feed is not None else length / (move.time or inf)
     fall = float(move.start[2] - move.end[2])
     down = speed * fall / length if length > 0.0 else 0.0

@@ -11,11 +11,11 @@ from splinearm.arrays import FloatArray
 from splinearm.curves.bspline import BSpline
 
 from .action import ArcFeed, Feed, Move, SplineFeed
-from .chain import Wire
 from .cutter import Cutter
 from .piece import ArcPiece, LinePiece, Piece
 from .verify_report import Fault
 from .verify_way import Track, track_of
+from .wire import Wire
 
 _PLACES = 20_000
 """Ways and lines are looked at in about so many places each, and at both ends of every piece."""

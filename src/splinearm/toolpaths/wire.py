@@ -14,7 +14,7 @@ from splinearm.curves.cell import halves
 from splinearm.curves.conic import elliptic_arc
 from splinearm.curves.projection import nearest_point
 
-from .piece import ArcPiece, LinePiece, Piece, is_full_circle
+from .piece import ArcPiece, LinePiece, Piece, SplinePiece, is_full_circle
 
 _HALVINGS = 60
 _RELIABLE = 1e-14
@@ -89,23 +89,25 @@ class Wire:
         return Wire(tuple(piece.reversed() for piece in reversed(self.pieces)), self.closed)
 
     def _curves(self) -> Iterator[BSpline]:
-        return map(_curve, self.pieces)
+        return map(curve_of, self.pieces)
 
     def _require_closed(self, name: str) -> None:
         if not self.closed:
             raise ValueError(f"{name}: want a closed wire, got an open one")
 
 
-def _curve(piece: Piece) -> BSpline:
-    """Give a piece as a spline: an arc as the NURBS that it is."""
+def curve_of(piece: Piece) -> BSpline:
+    """Give a piece as a spline with exactly its ends: an arc as the NURBS that it is."""
+    if isinstance(piece, SplinePiece):
+        return piece.curve
     if isinstance(piece, LinePiece):
         return BSpline(np.repeat([0.0, 1.0], 2), np.array([piece.start, piece.end]), 1)
-    if not isinstance(piece, ArcPiece):
-        return piece.curve
     arm = piece.start - piece.centre
-    map_ = np.eye(3)
-    map_[:2] = np.column_stack((arm, (-arm[1], arm[0]), piece.centre))
-    return elliptic_arc((1.0, 1.0), 0.0, piece.turn).mapped(map_)
+    first = float(np.arctan2(arm[1], arm[0]))
+    arc = elliptic_arc((piece.radius, piece.radius), first, first + piece.turn)
+    points = arc.points + piece.centre
+    points[0], points[-1] = piece.start, piece.end
+    return BSpline(arc.knots, points, arc.degree, arc.weights)
 
 
 def _swept(piece: Piece, origin: FloatArray) -> float:
@@ -147,7 +149,7 @@ def _integral(rate: Callable[[FloatArray], FloatArray], breaks: FloatArray) -> f
 def _box(piece: Piece) -> tuple[FloatArray, FloatArray]:
     if isinstance(piece, LinePiece):
         return np.minimum(piece.start, piece.end), np.maximum(piece.start, piece.end)
-    return bounding_box(_curve(piece))
+    return bounding_box(curve_of(piece))
 
 
 def _homogeneous(curve: BSpline) -> FloatArray:

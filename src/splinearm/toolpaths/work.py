@@ -10,7 +10,7 @@ from splinearm.arrays import FloatArray
 from splinearm.errors import DrawingError
 
 from .action import Action
-from .chain import Chaining, Wire, chain
+from .chain import Chaining, chain
 from .contour import Contour
 from .cutter import Tip
 from .drawing import Drawing
@@ -29,6 +29,7 @@ from .spiral import spiral_within
 from .tab import Tabs
 from .verify_line import Lines
 from .verify_part import Zone
+from .wire import Wire
 from .zigzag import facing, zigzag_within
 
 _FINE = 1e-2

@@ -9,13 +9,13 @@ import numpy as np
 from splinearm.arrays import FloatArray
 
 from .clearance import Wall
+from .clearing import clear
 from .contour import Contour
 from .lead_in import with_leads
 from .mill import Mill
 from .offset import offset
 from .operation import Milled, Milling, Run, Track
-from .pocket import finish
-from .pocket_side import ContourSides, Sides, along_walls, tell_narrow
+from .pocket_side import ContourSides, Sides, along_walls
 from .region import Region
 from .stretch import along_of, stretch
 
@@ -46,26 +46,20 @@ def zigzag(parts: Sequence[Region], setting: Milling, angle: float = 0.0) -> Mil
 
 def zigzag_within(parts: Sequence[Sides], setting: Milling, angle: float = 0.0) -> Milled:
     """Clear what lies within sides to and fro, then along them: see `zigzag`."""
-    if not parts:
-        raise ValueError("parts: want at least one")
-    mill = Mill(setting)
-    for sides in parts:
-        mill.wall = sides.wall(setting)
+
+    def runs_within(sides: Sides, mill: Mill) -> list[Run]:
         distance = sides.reach(setting)
         rooms = sides.offsets.at(-distance)
         if not rooms:
-            tell_narrow(sides, mill.notes)
-            continue
+            return []
         wall = Wall.of(sides.part.contours, distance)
         step = min(setting.over, setting.cutter.diameter - 2.0 * sides.spare)
         runs = [run for room in rooms for run in lines_within(room, step, angle, wall)]
         ways = along_walls(sides, setting, mill.notes)
         sides.require_clear([*(track for run in runs for track in run.tracks), *ways], setting)
-        walls = [with_leads(way, mill.wall, setting.lead, mill.notes) for way in ways]
-        mill.cut((*runs, *walls), setting.levels)
-        if setting.finish:
-            finish(mill, sides)
-    return mill.milled()
+        return runs + [with_leads(way, mill.wall, setting.lead, mill.notes) for way in ways]
+
+    return clear(parts, setting, runs_within)
 
 
 def facing(parts: Sequence[Region], setting: Milling, angle: float = 0.0) -> Milled:
