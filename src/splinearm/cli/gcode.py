@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .gcode_verify import add_words, verified
+from .ways_report import ways_document, ways_facts
 
 if TYPE_CHECKING:
     from splinearm.toolpaths.cutter import Cutter
@@ -109,12 +110,8 @@ def _print(
 
 
 def _facts(summary: "Summary") -> dict[str, str]:
-    low, high = summary.low * 1e3, summary.high * 1e3
-    extent = " x ".join(f"{a:g} to {b:g}" for a, b in zip(low.round(4), high.round(4), strict=True))
     facts = {
-        "ways": f"{summary.lines} lines, {summary.arcs} arcs, {summary.splines} splines, "
-        f"{summary.rapids} rapid",
-        "extent": f"{extent} mm",
+        **ways_facts(summary),
         "cutting": f"{summary.cutting_length * 1e3:.1f} mm, {summary.cutting_time:.1f} s at least",
         "rapid": f"{summary.rapid_length * 1e3:.1f} mm",
     }
@@ -133,19 +130,8 @@ def _facts(summary: "Summary") -> dict[str, str]:
 def _document(summary: "Summary", findings: "Sequence[Finding]") -> dict[str, object]:
     """Give what a program reads: lengths in m, times in s, feeds in m/s."""
     return {
-        "ways": {
-            "lines": summary.lines,
-            "arcs": summary.arcs,
-            "splines": summary.splines,
-            "rapids": summary.rapids,
-        },
-        "low": summary.low.tolist(),
-        "high": summary.high.tolist(),
-        "cutting_length": summary.cutting_length,
-        "cutting_time": summary.cutting_time,
-        "rapid_length": summary.rapid_length,
+        **ways_document(summary),
         "dwell_time": summary.dwell_time,
-        "feed": [summary.slowest, summary.quickest],
         "tools": list(summary.tools),
         "findings": [
             {"line": each.line, "word": each.word, "reason": each.reason} for each in findings

@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING
 
+from .ways_report import ways_document, ways_facts
+
 if TYPE_CHECKING:
     from splinearm.arrays import FloatArray
     from splinearm.config.toolpath_job import ToolpathJob
@@ -69,16 +71,9 @@ def _amounts(actions: "tuple[Action, ...]") -> list[list[str]]:
     from splinearm.toolpaths.summary import summarise
 
     summary = summarise(actions)
-    low, high = summary.low * _MM, summary.high * _MM
-    extent = " x ".join(f"{a:g} to {b:g}" for a, b in zip(low.round(4), high.round(4), strict=True))
     slow, quick = ((feed or 0.0) * 60e3 for feed in (summary.slowest, summary.quickest))
     return [
-        [
-            "ways",
-            f"{summary.lines} lines, {summary.arcs} arcs, {summary.splines} splines, "
-            f"{summary.rapids} rapid",
-        ],
-        ["extent", f"{extent} mm"],
+        *([name, value] for name, value in ways_facts(summary).items()),
         ["cutting", f"{summary.cutting_length * _MM:.1f} mm"],
         ["rapid", f"{summary.rapid_length * _MM:.1f} mm"],
         ["feed", f"{slow:.6g} to {quick:.6g} mm/min"],
@@ -121,18 +116,7 @@ def document(
             }
             for one in done
         ],
-        "ways": {
-            "lines": summary.lines,
-            "arcs": summary.arcs,
-            "splines": summary.splines,
-            "rapids": summary.rapids,
-        },
-        "low": summary.low.tolist(),
-        "high": summary.high.tolist(),
-        "cutting_length": summary.cutting_length,
-        "rapid_length": summary.rapid_length,
-        "cutting_time": summary.cutting_time,
+        **ways_document(summary),
         "time": estimate(actions),
-        "feed": [summary.slowest, summary.quickest],
         "verification": None if found is None else found.document(),
     }
