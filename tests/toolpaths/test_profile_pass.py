@@ -147,6 +147,9 @@ def test_tabs_stay_in_the_last_pass_wherever_that_would_begin(side, turn, millin
 
 
 def test_tabs_want_room(parts, milling):
+    high = Tabs(count=2, length=2e-3, height=9e-3)
+    with pytest.raises(ValueError, match=r"9 mm high in a cut [1-8] mm deep"):
+        profile([parts["disc"]], milling(), Side.OUTSIDE, high)
     with pytest.raises(ValueError, match="have no room"):
         profile([parts["disc"]], milling(), Side.OUTSIDE, Tabs(count=9, length=9e-3, height=1e-3))
     for facts in ((0, 1.0, 1.0), (1, 0.0, 1.0), (1, 1.0, -1.0)):

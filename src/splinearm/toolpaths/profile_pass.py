@@ -57,7 +57,7 @@ def profile(
 
     Raises:
         GougeError: If a way would come nearer to any of the parts than the cutter's radius.
-        ValueError: If there are no parts, or tabs have no room.
+        ValueError: If there are no parts, or tabs have no room or are higher than the cut is deep.
     """
     if not parts:
         raise ValueError("parts: want at least one")
@@ -66,6 +66,9 @@ def profile(
 
 def cut_edges(edges: Edges, setting: Milling, tabs: Tabs | None) -> Milled:
     """Cut along edges, openings first, each to its full depth; then what was left on the sides."""
+    if tabs is not None and tabs.height > setting.depth:
+        high, deep = tabs.height * 1e3, setting.depth * 1e3
+        raise ValueError(f"tabs: {high:g} mm high in a cut {deep:g} mm deep; make them lower")
     mill = Mill(setting, edges.wall(setting.reach))
     inner, outer = edges.ways(setting, mill.notes)
     rough = _ordered(inner, outer)
