@@ -66,6 +66,15 @@ def bare_kernel(function: _Function) -> _Function:
     return _compiled(function, fastmath=_FAST, **_UNCOUNTED)
 
 
+def inner_kernel(function: _Function) -> _Function:
+    """Give ``function`` compiled like by `bare_kernel`, and always into the kernel that calls it.
+
+    Handed to another kernel an array is nine numbers, so that a call with half a dozen of them
+    costs as much as a hundred additions. It is for what is called in one place, or is short.
+    """
+    return _compiled(function, fastmath=_FAST, forceinline=True, **_UNCOUNTED)
+
+
 def _compiled(function: _Function, *, fastmath: bool | set[str], **more: bool) -> _Function:
     jit = numba.njit(cache=True, error_model="numpy", fastmath=fastmath, **more)
     compiled: _Function = jit(function)
