@@ -69,11 +69,22 @@ def test_areas_of_a_hundred_rounded_rectangles_with_round_islands_are_known():
             assert result.area == pytest.approx(wanted, rel=1e-12)
 
 
-@pytest.mark.parametrize("left", [1e-4, 1e-6])
-def test_a_region_of_many_sides_is_right_just_before_it_vanishes(left):
-    n = 240
+def round_of_chords(n):
+    """A circle of n chords, and how far its middle is from them."""
     angle = 2.0 * pi * np.arange(n) / n
-    round_ = Contour.polyline(np.stack((np.cos(angle), np.sin(angle)), 1))
-    room = np.cos(pi / n)
-    (result,) = offset(round_, -room * (1.0 - left))
+    return Contour.polyline(np.stack((np.cos(angle), np.sin(angle)), 1)), np.cos(pi / n)
+
+
+@pytest.mark.parametrize(("n", "left"), [(240, 1e-4), (240, 1e-6), (600, 1e-7)])
+def test_a_region_of_many_sides_is_right_just_before_it_vanishes(n, left):
+    outline, room = round_of_chords(n)
+    (result,) = offset(outline, -room * (1.0 - left))
     assert result.area == pytest.approx(n * tan(pi / n) * (room * left) ** 2, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("n", "left"), [(400, 1e-8), pytest.param(30_000, 2e-8, marks=pytest.mark.slow)]
+)
+def test_what_is_left_of_many_sides_vanishes_where_these_are_too_short_to_tell(n, left):
+    outline, room = round_of_chords(n)
+    assert offset(outline, -room * (1.0 - left)) == ()

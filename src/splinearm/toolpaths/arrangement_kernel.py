@@ -13,7 +13,7 @@ from splinearm.compiled import bare_kernel, fast_kernel
 
 from .arc_kernel import at_share, box_of, circles_meet, distance, share
 from .offset_corner_kernel import goes_around, in_kites
-from .tree_kernel import RUN, nearest, overlapping, tree_of
+from .tree_kernel import RUN, Disc, is_clear, nearest, overlapping, tree_of
 
 IndexArray = npt.NDArray[np.int64]
 
@@ -40,13 +40,14 @@ def meetings(S: FloatArray) -> tuple[FloatArray, int]:
     T = tree_of(S, n, SNAP)
     runs = np.empty(T.shape[0] + 128)
     H = np.empty((8 * n + 64, 4))
-    i, m = _meetings(S, (T, runs), 0, H, 0)
-    while i < n:
+    i, m = 0, 0
+    while True:
+        i, m = _meetings(S, (T, runs), i, H, m)
+        if i == n:
+            return H, m
         wider = np.empty((2 * H.shape[0], 4))
         wider[:m] = H[:m]
         H = wider
-        i, m = _meetings(S, (T, runs), i, H, m)
-    return H, m
 
 
 @bare_kernel
@@ -185,7 +186,7 @@ def _slot(cx: float, cy: float, size: int) -> int:
 @fast_kernel
 def edges_of(
     S: FloatArray,
-    part: tuple[FloatArray, FloatArray],
+    part: tuple[FloatArray, FloatArray, Disc],
     d: float,
     kites: tuple[FloatArray, FloatArray],
     around: float,
@@ -194,7 +195,7 @@ def edges_of(
 
     Args:
         S: Pieces moved by d.
-        part: Pieces of the part, and their tree.
+        part: Pieces of the part, their tree, and a disc that none of them reaches into.
         d: How far they were moved.
         kites: Corners that reach farther than d, as `kites_of` gives them.
         around: 1 if the part is what its pieces go around, 0 if it is what they do not, or -1 if
@@ -240,7 +241,7 @@ def edges_of(
         shared[int(node[h])] += 4 if h < hits else 1
     E = np.empty((2 * hits + n + 1, EDGE))
     runs = np.empty(max(part[1].shape[0], kites[1].shape[0]) + 128)
-    model = (part[0], part[1], d)
+    model = (part[0], part[1], d, part[2])
     m = _edges(S, model, kites, (at, U, N, shared), E, (np.empty((128, 2)), runs, around))
     return E[:m], X
 
@@ -248,7 +249,7 @@ def edges_of(
 @bare_kernel
 def _edges(
     S: FloatArray,
-    model: tuple[FloatArray, FloatArray, float],
+    model: tuple[FloatArray, FloatArray, float, Disc],
     kites: tuple[FloatArray, FloatArray],
     along: tuple[IndexArray, FloatArray, IndexArray, IndexArray],
     E: FloatArray,
@@ -287,15 +288,17 @@ def _rank(
     S: FloatArray,
     i: int,
     u: float,
-    model: tuple[FloatArray, FloatArray, float],
+    model: tuple[FloatArray, FloatArray, float, Disc],
     hint: int,
     stack: FloatArray,
 ) -> tuple[float, int]:
     """Say how a piece lies at a share: 2 surely far enough, 1 nearly, 0 too near, and to what."""
-    P, T, d = model
+    P, T, d, heart = model
     x, y = at_share(S, i, u)
     if hint >= 0 and distance(P, hint, x, y) < d - SPARE:
         return 0.0, hint
+    if is_clear(heart, x, y, d - SURE):
+        return 2.0, hint
     far, near = nearest(P, P.shape[0], T, (x, y), (d - SURE, d - SPARE), stack)
     if near < 0:
         return 2.0, hint
@@ -305,7 +308,7 @@ def _rank(
 @bare_kernel
 def _beside_kites(
     spot: tuple[float, float],
-    model: tuple[FloatArray, FloatArray, float],
+    model: tuple[FloatArray, FloatArray, float, Disc],
     kites: tuple[FloatArray, FloatArray],
     around: float,
     runs: FloatArray,

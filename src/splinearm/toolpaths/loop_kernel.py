@@ -17,6 +17,7 @@ from .arrangement_kernel import SNAP, edges_of, root
 from .offset_corner_kernel import Corner, kites_of
 from .offset_kernel import raw_pieces
 from .offset_left_kernel import surviving
+from .tree_kernel import heart_of
 
 _SHORT = 1e-7
 """Edges shorter than this may be dropped to let loops close."""
@@ -351,9 +352,10 @@ def offset_loops(
         where no loop can be closed: (-1, 0, 0), or (0, x, y).
     """
     raw = raw_pieces(P, segment, firsts, d, corner)
-    S, numbers = surviving(P, T, firsts, raw, d)
+    heart = heart_of(P, T, firsts, np.empty((128, 2)))
+    S, numbers = surviving(P, T, firsts, raw, d, heart)
     kites = kites_of(P, segment, firsts, d, corner)
-    E, X = edges_of(S, (P, T), d, kites, around)
+    E, X = edges_of(S, (P, T, heart), d, kites, around)
     V, starts, areas, node = loops_of(E, X, S, numbers)
     wrong = np.zeros(3)
     wrong[0] = -1.0

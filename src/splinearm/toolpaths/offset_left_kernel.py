@@ -8,10 +8,10 @@ import math
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import bare_kernel, fast_kernel
+from splinearm.compiled import bare_kernel, fast_kernel, inner_kernel
 
 from .arc_kernel import COLUMNS, at_share, box_of, disc_cuts, distance, set_piece
-from .tree_kernel import nearest
+from .tree_kernel import Disc, is_clear, nearest
 
 _LOOSE = 2e-11
 """What is nearer to the part by more than this certainly goes."""
@@ -22,6 +22,9 @@ _LEVEL = 1e-15
 _FEW = 160
 _SPECK = 1.5e-8
 """Where many pieces survive in a place of this size alone, all of them meet all others."""
+_SIDE = 2.5e-12
+"""And where that place is no wider than this for each of them, all their ends are snapped to one:
+they are nearer to each other on its edge than 1e-11."""
 
 
 @bare_kernel
@@ -113,12 +116,12 @@ def _without_near(
     R: FloatArray,
     r: int,
     spot: tuple[float, int, float],
-    model: tuple[FloatArray, int, float],
+    model: tuple[FloatArray, float],
     work: tuple[FloatArray, int],
 ) -> int:
     """Take out of spans what a near piece of the part certainly takes about a share."""
     u, near, far = spot
-    P, _, reach = model
+    P, reach = model
     spans, count = work
     x, y = at_share(R, r, u)
     for c in (0, 2):
@@ -138,6 +141,7 @@ def surviving(
     loops: FloatArray,
     raw: tuple[FloatArray, FloatArray, FloatArray],
     d: float,
+    heart: Disc,
 ) -> tuple[FloatArray, FloatArray]:
     """Give the raw pieces without what is certainly nearer to the part than d.
 
@@ -147,6 +151,7 @@ def surviving(
         loops: The first piece of each loop and n.
         raw: Raw pieces, the number of the line or arc of each, and the piece each comes from.
         d: How far they were moved.
+        heart: A disc that no piece of the part reaches into.
 
     Returns:
         What survives, shape (m, 9), and the numbers of their lines and arcs.
@@ -155,12 +160,15 @@ def surviving(
     room = R.shape[0] + 64
     S, numbers = np.empty((room, COLUMNS)), np.empty(room)
     spans, stack = np.empty((_SPANS, 2)), np.empty((128, 2))
-    r, m = _survive((P, T, loops), raw, d, 0, (S, numbers, 0), (spans, stack))
-    while r < R.shape[0]:
+    part = (P, T, loops, heart)
+    r, m = 0, 0
+    while True:
+        r, m = _survive(part, raw, d, r, (S, numbers, m), (spans, stack))
+        if r == R.shape[0]:
+            break
         wider, longer = np.empty((2 * S.shape[0], COLUMNS)), np.empty(2 * S.shape[0])
         wider[:m], longer[:m] = S[:m], numbers[:m]
         S, numbers = wider, longer
-        r, m = _survive((P, T, loops), raw, d, r, (S, numbers, m), (spans, stack))
     if m > _FEW and _is_speck(S, m):
         m = 0
     return S[:m], numbers[:m]
@@ -174,12 +182,57 @@ def _is_speck(S: FloatArray, count: int) -> bool:
         x0, y0, x1, y1 = box_of(S, i)
         low_x, low_y = min(low_x, x0), min(low_y, y0)
         high_x, high_y = max(high_x, x1), max(high_y, y1)
-    return max(high_x - low_x, high_y - low_y) < _SPECK
+    return max(high_x - low_x, high_y - low_y) < max(_SPECK, _SIDE * count)
+
+
+@inner_kernel
+def _off_corners(
+    raw: tuple[FloatArray, int, int],
+    loop: tuple[FloatArray, int, int],
+    reaches: tuple[float, float],
+    spans: FloatArray,
+) -> int:
+    """Take out of a raw piece what corners and neighbours take, and give how many spans are left.
+
+    Args:
+        raw: Raw pieces, the one of them, and the piece of the part that it comes from.
+        loop: Pieces of the part, the first of its loop and one behind the last.
+        reaches: The distance, and what is certainly nearer.
+        spans: What is left, one span at first.
+    """
+    R, r, i = raw
+    P, first, end = loop
+    d, reach = reaches
+    size = end - first
+    count, step = 1, 1
+    hx, hy, wide = _hull(R, r, spans, count)
+    # corners along the contour, near ones first: where the part is finer than d these take
+    # nearly all of what goes
+    while count > 0 and 2 * step <= size + 1:
+        for way in (-step, step):
+            v = first + (i - first + way + size) % size
+            if step == 1 and R[r, 4] == 0.0 and P[v, 4] == 0.0:
+                # of the neighbours the sides themselves, by which most corners are trimmed
+                count = _without_side(R, r, (P, v, d), spans, count)
+                if count == 0:
+                    return 0
+                hx, hy, wide = _hull(R, r, spans, count)
+            away2 = (P[v, 0] - hx) ** 2 + (P[v, 1] - hy) ** 2
+            if away2 >= (reach + wide) ** 2:
+                continue
+            if wide < reach and away2 < (reach - wide) ** 2:
+                return 0
+            count = _without_disc(R, r, (P[v, 0], P[v, 1], reach), spans, count)
+            if count == 0:
+                return 0
+            hx, hy, wide = _hull(R, r, spans, count)
+        step += 1 if step < 4 else step // 2
+    return count
 
 
 @bare_kernel
 def _survive(
-    part: tuple[FloatArray, FloatArray, FloatArray],
+    part: tuple[FloatArray, FloatArray, FloatArray, Disc],
     raw: tuple[FloatArray, FloatArray, FloatArray],
     d: float,
     r: int,
@@ -191,72 +244,24 @@ def _survive(
     Returns:
         The next raw piece, and how many pieces are written.
     """
-    P, T, loops = part
+    P, T, loops, heart = part
     R, curve, owner = raw
     S, numbers, m = kept
     spans, stack = work
-    n = P.shape[0]
     reach = d - min(_LOOSE, 1e-3 * d)
     # among few pieces it costs less to find where all of them meet
     probing = R.shape[0] > _FEW
-    clear_x, clear_y, loop, hint = math.inf, math.inf, 0, -1
+    seen, loop = (math.inf, math.inf, -1), 0
     while r < R.shape[0] and m + _SPANS <= S.shape[0]:
         i = int(owner[r])
         while i >= loops[loop + 1]:
             loop += 1
-        first, end = int(loops[loop]), int(loops[loop + 1])
-        size = end - first
         spans[0, 0], spans[0, 1] = 0.0, 1.0
-        count, step = 1, 1
-        hx, hy, wide = _hull(R, r, spans, count)
-        # corners along the contour, near ones first: where the part is finer than d these take
-        # nearly all of what goes
-        while count > 0 and 2 * step <= size + 1:
-            for way in (-step, step):
-                v = first + (i - first + way + size) % size
-                if step == 1 and R[r, 4] == 0.0 and P[v, 4] == 0.0:
-                    # of the neighbours the sides themselves, by which most corners are trimmed
-                    count = _without_side(R, r, (P, v, d), spans, count)
-                    if count == 0:
-                        break
-                    hx, hy, wide = _hull(R, r, spans, count)
-                away2 = (P[v, 0] - hx) ** 2 + (P[v, 1] - hy) ** 2
-                if away2 >= (reach + wide) ** 2:
-                    continue
-                if wide < reach and away2 < (reach - wide) ** 2:
-                    count = 0
-                    break
-                count = _without_disc(R, r, (P[v, 0], P[v, 1], reach), spans, count)
-                if count == 0:
-                    break
-                hx, hy, wide = _hull(R, r, spans, count)
-            step += 1 if step < 4 else step // 2
-        k = 0 if probing else count
-        looks = 0
-        while k < count:
-            # what is left must begin and end where nothing is nearer
-            taken = False
-            for c in range(2):
-                u = spans[k, c]
-                x, y = (R[r, 2], R[r, 3]) if u == 1.0 else at_share(R, r, u)
-                if x == clear_x and y == clear_y:
-                    continue  # the end of the piece before, which was looked at
-                far = math.inf
-                if hint >= 0:
-                    far = distance(P, hint, x, y)
-                near = hint
-                if not far < reach:
-                    far, near = nearest(P, n, T, (x, y), (reach, reach), stack)
-                if near >= 0 and far < reach:
-                    hint = near
-                    count = _without_near(R, r, (u, near, far), (P, n, reach), (spans, count))
-                    taken = True
-                    break
-                clear_x, clear_y = x, y
-            looks += 1
-            if not taken or looks > _LOOKS:
-                k += 1
-                looks = 0
+        count = _off_corners(
+            (R, r, i), (P, int(loops[loop]), int(loops[loop + 1])), (d, reach), spans
+        )
+        if probing:
+            count, seen = _probed((R, r), (P, T, heart), reach, (spans, count, stack), seen)
         for k in range(count):
             ax, ay = at_share(R, r, spans[k, 0])
             bx, by = at_share(R, r, spans[k, 1])
@@ -269,3 +274,54 @@ def _survive(
             m += 1
         r += 1
     return r, m
+
+
+@inner_kernel
+def _probed(
+    raw: tuple[FloatArray, int],
+    part: tuple[FloatArray, FloatArray, Disc],
+    reach: float,
+    work: tuple[FloatArray, int, FloatArray],
+    seen: tuple[float, float, int],
+) -> tuple[int, tuple[float, float, int]]:
+    """Take out of spans what is near where they begin or end, until nothing is.
+
+    Args:
+        raw: Raw pieces, and the one of them.
+        part: Pieces of the part, their tree, and a disc that none of them reaches into.
+        reach: What is certainly nearer.
+        work: What is left, how many spans, and room to search in.
+        seen: The last place (x, y) that nothing is near, and the last piece that was near one.
+
+    Returns:
+        How many spans are left, and what was seen last.
+    """
+    R, r = raw
+    P, T, heart = part
+    spans, count, stack = work
+    clear_x, clear_y, hint = seen
+    k, looks = 0, 0
+    while k < count:
+        # what is left must begin and end where nothing is nearer
+        taken = False
+        for c in range(2):
+            u = spans[k, c]
+            x, y = (R[r, 2], R[r, 3]) if u == 1.0 else at_share(R, r, u)
+            if x == clear_x and y == clear_y:
+                continue  # the end of the piece before, which was looked at
+            far, near = math.inf, hint
+            if hint >= 0:
+                far = distance(P, hint, x, y)
+            if not far < reach and not is_clear(heart, x, y, reach):
+                far, near = nearest(P, P.shape[0], T, (x, y), (reach, reach), stack)
+            if near >= 0 and far < reach:
+                hint = near
+                count = _without_near(R, r, (u, near, far), (P, reach), (spans, count))
+                taken = True
+                break
+            clear_x, clear_y = x, y
+        looks += 1
+        if not taken or looks > _LOOKS:
+            k += 1
+            looks = 0
+    return count, (clear_x, clear_y, hint)

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import bare_kernel, fast_kernel
+from splinearm.compiled import bare_kernel, fast_kernel, inner_kernel
 
 from .offset_check_kernel import (
     RUN,
@@ -236,13 +236,14 @@ def touching(
     pairs = np.empty((4 * R.shape[0] + n, 2))
     stack = np.empty(128)
     found[0], found[3] = math.inf, 0.0
-    r, count = _touch_all(R, 0, (Q, T), reach, found, (pairs, 0, stack))
-    while r < R.shape[0]:
+    r, count = 0, 0
+    while True:
+        r, count = _touch_all(R, r, (Q, T), reach, found, (pairs, count, stack))
+        if r == R.shape[0]:
+            return pairs, count
         wider = np.empty((2 * pairs.shape[0], 2))
         wider[:count] = pairs[:count]
         pairs = wider
-        r, count = _touch_all(R, r, (Q, T), reach, found, (pairs, count, stack))
-    return pairs, count
 
 
 @bare_kernel
@@ -271,7 +272,7 @@ def _touch_all(
     return r, count
 
 
-@bare_kernel
+@inner_kernel
 def _touch(
     R: FloatArray,
     r: int,

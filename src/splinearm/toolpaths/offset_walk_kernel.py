@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from splinearm.arrays import FloatArray
-from splinearm.compiled import bare_kernel, fast_kernel
+from splinearm.compiled import bare_kernel, fast_kernel, inner_kernel
 
 from .offset_check_kernel import FLAT, gap, spread
 from .offset_within_kernel import encloses, nearest
@@ -202,7 +202,7 @@ def _beneath_arc(
     return beneath
 
 
-@bare_kernel
+@inner_kernel
 def _left_over(
     way: Way,
     ends: tuple[float, float],
@@ -280,7 +280,7 @@ def _left_over(
     return False, px, py, hint
 
 
-@bare_kernel
+@inner_kernel
 def _walked(
     way: Way,
     shape: Shape,
@@ -361,13 +361,6 @@ def _missing(
             c, g = math.sqrt(ex * ex + ey * ey), math.sqrt(gx * gx + gy * gy)
             k = math.copysign(1.0 / Q[i, 7], Q[i, 4])
             near = (pairs, head, after, i, d)
-            if k * e < 1.0:
-                length = (abs(Q[i, 4]) * Q[i, 7] if k != 0.0 else c) * (1.0 - k * e)
-                leap = _STEP if reach == 1.0 else max(_STEP, 0.125 * length)
-                shape = (length, abs(k) / (1.0 - k * e), leap, before, j)
-                lost, x, y, hint = _walked(_beside(Q, i, e), shape, near, scene, hint)
-                if lost:
-                    return True, x, y
             # from the direction at the end of one to that at the start of the next
             s, t = (
                 math.copysign(0.5 * c / Q[i, 7], Q[i, 4]),
@@ -380,12 +373,23 @@ def _missing(
             turn = math.atan2(ux * vy - uy * vx, ux * vx + uy * vy)
             if turn > math.pi * (1.0 - 1e-9):
                 turn -= 2.0 * math.pi
-            if turn * e < -_STEP:
-                leap = _STEP if reach == 1.0 else max(_STEP, -0.125 * turn * e)
-                shape = (-turn * e, 1.0 / e, leap, i, j)
-                lost, x, y, hint = _walked(
-                    (CORNER, Q[i, 2], Q[i, 3], -e * uy, e * ux, turn), shape, near, scene, hint
-                )
+            for around in range(2):
+                # beside the segment, and around the corner behind it
+                if around == 0:
+                    if k * e >= 1.0:
+                        continue
+                    way = _beside(Q, i, e)
+                    length = (abs(Q[i, 4]) * Q[i, 7] if k != 0.0 else c) * (1.0 - k * e)
+                    leap = _STEP if reach == 1.0 else max(_STEP, 0.125 * length)
+                    shape = (length, abs(k) / (1.0 - k * e), leap, before, j)
+                else:
+                    length = -turn * e
+                    if length <= _STEP:
+                        continue
+                    way = (CORNER, Q[i, 2], Q[i, 3], -e * uy, e * ux, turn)
+                    leap = _STEP if reach == 1.0 else max(_STEP, 0.125 * length)
+                    shape = (length, 1.0 / e, leap, i, j)
+                lost, x, y, hint = _walked(way, shape, near, scene, hint)
                 if lost:
                     return True, x, y
     return False, 0.0, 0.0

@@ -15,6 +15,13 @@ from splinearm.compiled import bare_kernel, fast_kernel
 from .arc_kernel import box_of, distance
 
 RUN = 4
+_FEW = 160
+"""Loops of no more pieces are searched quickly enough anyway."""
+_TURNED = 0.5
+"""Three sides that turn less from each other are touched by discs too large to be known well."""
+
+Disc = tuple[float, float, float]
+"""The centre (x, y), and the radius."""
 
 
 @fast_kernel
@@ -105,6 +112,42 @@ def nearest(
             stack[top + 1, 0], stack[top + 1, 1] = left + 1, dr
         top += 2
     return best, found
+
+
+@bare_kernel
+def heart_of(P: FloatArray, T: FloatArray, loops: FloatArray, stack: FloatArray) -> Disc:
+    """Give a disc that no piece reaches into, about the middle of the longest loop.
+
+    Where many sides are all but equally far from one place, as those of a circle of chords are
+    from its middle, boxes do not tell which are nearer to a point there, and all would be asked
+    for each. The disc answers for all of them, if it is large enough.
+    """
+    first, size = 0, 0
+    for loop in range(loops.shape[0] - 1):
+        if int(loops[loop + 1] - loops[loop]) > size:
+            first, size = int(loops[loop]), int(loops[loop + 1] - loops[loop])
+    if size <= _FEW:
+        return 0.0, 0.0, 0.0
+    # the point as far from three of its sides
+    i, j, k = first, first + size // 3, first + 2 * size // 3
+    b = P[i, 5] * P[i, 0] + P[i, 6] * P[i, 1]
+    ux, uy = P[j, 5] - P[i, 5], P[j, 6] - P[i, 6]
+    vx, vy = P[k, 5] - P[i, 5], P[k, 6] - P[i, 6]
+    u = P[j, 5] * P[j, 0] + P[j, 6] * P[j, 1] - b
+    v = P[k, 5] * P[k, 0] + P[k, 6] * P[k, 1] - b
+    det = ux * vy - uy * vx
+    if abs(det) < _TURNED:
+        return 0.0, 0.0, 0.0
+    x, y = (u * vy - v * uy) / det, (ux * v - vx * u) / det
+    return x, y, nearest(P, P.shape[0], T, (x, y), (math.inf, 0.0), stack)[0]
+
+
+@bare_kernel
+def is_clear(heart: Disc, x: float, y: float, far: float) -> bool:
+    """Say whether a disc without pieces shows that none is nearer to a point than so much."""
+    room = heart[2] - far
+    clear: bool = room >= 0.0 and (x - heart[0]) ** 2 + (y - heart[1]) ** 2 <= room * room
+    return clear
 
 
 @bare_kernel
