@@ -41,16 +41,24 @@ _FIRST = (("kinematics", "curves", "trajectories"), ("toolpaths", "sim", "driver
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Let files of the two groups take turns, and those that use all rooms come last.
+    """Let files of the two groups take turns, then those that use all rooms, last those with a bus.
 
-    Neighbours of one room compile the same kernels: workers beside each other would all do that.
+    Neighbours of one room compile the same kernels: workers beside each other would wait for each
+    other. Servos that live by the clock want processors that are not busy with compiling.
     """
+    last = len(_FIRST)
+    with_bus = {item.path for item in items if item.get_closest_marker("bus")}
     turns: dict[Path, tuple[int, int]] = {}
-    counts = [0] * (len(_FIRST) + 1)
+    counts = [0] * last
     for file in dict.fromkeys(item.path for item in items):
-        group = next((k for k, rooms in enumerate(_FIRST) if file.parent.name in rooms), 2)
-        turns[file] = (counts[group] if group < len(_FIRST) else len(items), group)
-        counts[group] += 1
+        group = next((k for k, rooms in enumerate(_FIRST) if file.parent.name in rooms), last)
+        if file in with_bus:
+            turns[file] = (len(items), last + 1)
+        elif group == last:
+            turns[file] = (len(items), last)
+        else:
+            turns[file] = (counts[group], group)
+            counts[group] += 1
     items.sort(key=lambda item: turns[item.path])
 
 

@@ -7,7 +7,6 @@ from splinearm.drivers.servo_arm import ServoArm
 from splinearm.errors import ServoError
 
 PULSE = 2 * np.pi / 4096
-STATES = 1000
 
 
 def randomise(rng: np.random.Generator, bus) -> None:
@@ -87,13 +86,15 @@ def ways_on(arm, bus, rng, setpoint) -> None:
     assert all(servo.torque_on for servo in bus.servos.values())
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2, 3))])
+@pytest.mark.parametrize(
+    ("seed", "states"), [(0, 60), *(pytest.param(k, 250, marks=pytest.mark.slow) for k in range(4))]
+)
 def test_from_any_state_no_joint_moves_when_its_torque_comes_on(
-    seed, make_chain, make_limits, make_direct, in_their_time, setpoint
+    seed, states, make_chain, make_limits, make_direct, in_their_time, setpoint
 ):
     rng = np.random.default_rng(seed)
     entered = all_ways = 0
-    for _ in range(STATES // 4):
+    for _ in range(states):
         chain, limits = make_chain(), make_limits()
         bus = make_direct(chain)
         in_their_time(bus)
@@ -109,5 +110,5 @@ def test_from_any_state_no_joint_moves_when_its_torque_comes_on(
         except ServoError as error:
             assert error.alert or "Operating Mode" in str(error)  # noqa: PT017
             watch.require_rest()
-    assert entered > 80
-    assert all_ways > 25
+    assert entered > states // 3
+    assert all_ways > states // 10

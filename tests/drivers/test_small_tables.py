@@ -210,7 +210,9 @@ def test_a_scan_finds_both_protocols_at_all_rates(pendulum):
         with bus.lock:
             memory = bus.servos[4].memory
             memory["Baud Rate"] = servo_model("XM430-W350").baud_code(57_600)
-        found = scan(bus.port)
+        # a busy computer may let an answer come too late to count: then it is asked again
+        scans = (scan(bus.port) for _ in range(3))
+        found = next((found for found in scans if len(found) == len(models)), ())
     assert sorted((one.servo_id, one.model, one.protocol, one.baud) for one in found) == [
         (k + 1, model.split()[0], protocol, 57_600 if k == 3 else 1_000_000)
         for k, (model, protocol) in enumerate(zip(models, (1, 2, 1, 2, 1, 2), strict=True))
