@@ -87,11 +87,12 @@ def ways_on(arm, bus, rng, setpoint) -> None:
 
 
 @pytest.mark.parametrize(
-    ("seed", "states"), [(0, 60), *(pytest.param(k, 250, marks=pytest.mark.slow) for k in range(4))]
+    "draw", [(0, 60), *(pytest.param((k, 250), marks=pytest.mark.slow) for k in range(4))]
 )
 def test_from_any_state_no_joint_moves_when_its_torque_comes_on(
-    seed, states, make_chain, make_limits, make_direct, in_their_time, setpoint
+    draw, make_chain, make_limits, make_direct, in_their_time, setpoint
 ):
+    seed, states = draw
     rng = np.random.default_rng(seed)
     entered = all_ways = 0
     for _ in range(states):
