@@ -112,6 +112,12 @@ def test_a_program_that_is_wrong_is_not_written(cli):
         (("--tool", "6", "--depth", "3", "--tolerance", "0"), "tolerance"),
         (("--tool", "6", "--depth", "3", "--spindle", "nan"), "speed"),
         (("--tool", "6", "--depth", "3", "--finish"), "stock"),
+        (("--tool", "6", "--depth", "3", "--step-down", "1e-9"), "more than 1000 passes"),
+        (("--tool", "6", "--depth", "3", "--ramp", "1e-9"), "want 0.01 to below 90 deg"),
+        (
+            ("--tool", "6", "--depth", "3", "--stock", "1e9", "--layers", "outline"),
+            "too wide to be cut",
+        ),
         (("--tool", "6", "--depth", "3", "-o", "nowhere/a.ngc"), "folder"),
     ],
 )

@@ -190,7 +190,7 @@ def test_a_cutter_that_stays_goes_on_from_where_it_is(drawing, milling):
         ({"step_over": 5e-3}, "ridges"),
         ({"finish": True}, "stock"),
         ({"top": 1e-3}, "top"),
-        ({"ramp_angle": 2.0}, "right angle"),
+        ({"ramp_angle": 2.0}, "below 90 deg"),
         ({"lead": -1.0}, "lead"),
         ({"blend": 0.0}, "blend"),
         ({"step_down": float("nan")}, "step_down"),

@@ -7,8 +7,13 @@ from math import ceil
 
 import numpy as np
 
+from splinearm.errors import ToolpathError
+
 from .action import Action, ArcFeed, Cutting, Feed
 from .gcode_dialect import Dialect
+
+_MOST_LINES = 100_000
+"""No machine cuts an arc that takes more lines: it is kilometres wide."""
 
 
 def fitted(actions: Iterable[Action], dialect: Dialect) -> tuple[Action, ...]:
@@ -19,6 +24,9 @@ def fitted(actions: Iterable[Action], dialect: Dialect) -> tuple[Action, ...]:
     Args:
         actions: What a machine shall do.
         dialect: The controller.
+
+    Raises:
+        ToolpathError: If an arc is so wide that no machine can be meant.
     """
     return tuple(each for action in actions for each in _fitted(action, dialect))
 
@@ -29,7 +37,13 @@ def _fitted(action: Action, dialect: Dialect) -> Iterator[Action]:
         return
     # the height of an arc over its chord: r (1 - cos(turn / 2)), about r turn^2 / 8
     most = (8.0 * dialect.resolution / action.radius_at_start) ** 0.5
-    places = action.at(np.linspace(0.0, 1.0, max(1, ceil(abs(action.turn) / most)) + 1))
+    count = max(1, ceil(abs(action.turn) / most))
+    if count > _MOST_LINES:
+        raise ToolpathError(
+            f"an arc of {action.radius_at_start:.4g} m radius is too wide to be cut; "
+            "look for a wrong unit, or a length that is too large"
+        )
+    places = action.at(np.linspace(0.0, 1.0, count + 1))
     places[0], places[-1] = action.start, action.end
     common = {f.name: getattr(action, f.name) for f in fields(Cutting)}
     for start, end in pairwise(places):

@@ -13,6 +13,10 @@ from .cutter import Cutter
 from .spline_leg import Leg
 
 _WHOLE = 1e-9
+_FLATTEST = 0.01 * pi / 180.0
+"""Flatter ramps would be longer than any part is wide."""
+_MOST_PASSES = 1000
+"""What takes more is a slip of the pen."""
 
 
 class Entry(StrEnum):
@@ -88,13 +92,22 @@ class Milling:
         for name in ("step_down", "step_over", "blend"):
             if getattr(self, name) is not None:
                 _require(name, getattr(self, name), above=True)
-        if not self.ramp_angle < 0.5 * pi:
-            raise ValueError(f"ramp_angle: want below a right angle, got {self.ramp_angle} rad")
+        if not _FLATTEST <= self.ramp_angle < 0.5 * pi:
+            raise ValueError(
+                f"ramp_angle: want {_FLATTEST * 180.0 / pi:g} to below 90 deg, got "
+                f"{self.ramp_angle * 180.0 / pi:.3g} deg"
+            )
         if self.over > self.cutter.diameter:
             raise ValueError(
                 f"step_over: want at most the diameter, {self.cutter.diameter * 1e3:g} mm, got "
                 f"{self.over * 1e3:g} mm: it would leave ridges"
             )
+        if self.finish and self.stock == 0.0:
+            raise ValueError("finish: nothing is left for it; want a stock above 0")
+        self._check_depth()
+
+    def _check_depth(self) -> None:
+        """Refuse a depth that cannot be reached, or takes too many passes."""
         if self.depth > self.cutter.cutting_length:
             raise ValueError(
                 f"depth: {self.depth * 1e3:g} mm is deeper than the cutter can go, "
@@ -102,8 +115,11 @@ class Milling:
             )
         if not (isfinite(self.top) and self.top <= 0.0):
             raise ValueError(f"top: want at most 0, the top of the stock, got {self.top}")
-        if self.finish and self.stock == 0.0:
-            raise ValueError("finish: nothing is left for it; want a stock above 0")
+        if self.depth / self.down > _MOST_PASSES:
+            raise ValueError(
+                f"step_down: {self.down * 1e3:.3g} mm is more than {_MOST_PASSES} passes down to "
+                f"{self.depth * 1e3:g} mm; take deeper ones"
+            )
 
     @property
     def reach(self) -> float:
