@@ -124,13 +124,16 @@ class Owner:
         assert seen.exit_code == 0
 
     def jog(self, words):
-        seen = self.open(words)
-        seen.wait_for("the arm holds", 20.0)
         before = self.bus.q
-        for _ in range(8):
-            seen.press("right")
-            time.sleep(0.05)
-        seen.wait_for("the arm holds", 20.0)
+        # the servos are threads of this test: on a busy computer they may be silent for too long
+        for _ in range(3):
+            seen = self.open(words)
+            seen.wait_for("the arm holds", 20.0)
+            for _ in range(8):
+                seen.press("right")
+                time.sleep(0.05)
+            if seen.wait_for("the arm holds|no feedback for", 20.0) == "the arm holds":
+                break
         seen.press("q")
         assert seen.exit_code == 0
         assert np.abs(self.bus.q - before).max() > 1.0 * DEG
@@ -183,10 +186,12 @@ def test_every_command_of_the_page_is_one_that_the_owner_knows():
 
 
 @pytest.mark.parametrize("arm", ["planar_2r", pytest.param(SHOWN, marks=pytest.mark.slow)])
-def test_an_owner_comes_from_the_box_to_the_first_motion(arm, terminal, cli, tmp_path, monkeypatch):
+def test_an_owner_comes_from_the_box_to_the_first_motion(
+    arm, terminal, cli, tmp_path, monkeypatch, untraced
+):
     monkeypatch.setenv("SPLINEARM_HOME", str(tmp_path / "home"))
     owner = Owner(arm, terminal, cli, cli.folder)
-    with owner.bus:
+    with untraced(), owner.bus:
         owner.bus.harness.disconnect()
         for words in COMMANDS:
             owner.follow(words)
