@@ -10,7 +10,6 @@ import sys
 import tempfile
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -121,23 +120,21 @@ def interrupted() -> Callable[[Station, int], Station]:
     return lambda station, at: replace(station, driver=_Interrupted(station.driver, at))
 
 
-@pytest.fixture(scope="session")
-def untraced() -> Callable[[], AbstractContextManager[None]]:
-    """Gives a block in which no thread that begins is traced for coverage.
+@pytest.fixture(autouse=True)
+def untraced(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Trace no thread for coverage that begins in a test with a bus, but of the simulation's own.
 
     Traced servos take four times as long to think, and those who speak to them do not wait.
     """
-
-    @contextmanager
-    def block() -> Iterator[None]:
-        before = threading.gettrace()
-        threading.settrace(None)  # type: ignore[arg-type]
-        try:
-            yield
-        finally:
-            threading.settrace(before)  # type: ignore[arg-type]
-
-    return block
+    if not request.node.get_closest_marker("bus") or request.path.parent.name == "sim":
+        yield
+        return
+    before = threading.gettrace()
+    threading.settrace(None)  # type: ignore[arg-type]
+    try:
+        yield
+    finally:
+        threading.settrace(before)  # type: ignore[arg-type]
 
 
 @pytest.fixture

@@ -4,9 +4,8 @@ import pytest
 
 
 @pytest.mark.bus
-def test_the_python_of_the_page_runs(run_page, capsys, untraced):
-    with untraced():
-        assert run_page("servos.md") == 6
+def test_the_python_of_the_page_runs(run_page, capsys):
+    assert run_page("servos.md") == 6
     said = capsys.readouterr().out
     assert "FINISHED SUCCESSFUL" in said
     assert "recovered: servo 1" in said

@@ -186,12 +186,10 @@ def test_every_command_of_the_page_is_one_that_the_owner_knows():
 
 
 @pytest.mark.parametrize("arm", ["planar_2r", pytest.param(SHOWN, marks=pytest.mark.slow)])
-def test_an_owner_comes_from_the_box_to_the_first_motion(
-    arm, terminal, cli, tmp_path, monkeypatch, untraced
-):
+def test_an_owner_comes_from_the_box_to_the_first_motion(arm, terminal, cli, tmp_path, monkeypatch):
     monkeypatch.setenv("SPLINEARM_HOME", str(tmp_path / "home"))
     owner = Owner(arm, terminal, cli, cli.folder)
-    with untraced(), owner.bus:
+    with owner.bus:
         owner.bus.harness.disconnect()
         for words in COMMANDS:
             owner.follow(words)
