@@ -83,13 +83,15 @@ def open_arm(  # noqa: PLR0913 - all but two may be left out
         feedforward: By what their goals are ahead of the setpoints: "off", "velocity" or "full";
             None: as the arm's file says.
         silence: After how long without a word servos stop by themselves, s; None: 0.04 if this
-            computer permits real-time priority, else 0.1, and at least three setpoints' time.
+            computer permits real-time priority, else 0.1, and at least three setpoints' time. A
+            MuJoCo arm has no such watch.
 
     Raises:
         ConfigError: If the cell has no servos and is to move some, or its calibration is broken or
             of other servos.
         PortError: If the port cannot be used.
         BusError: If a servo does not answer or is not as the file says.
+        ValueError: If servos cannot count so long a silence.
     """
     if where == "mujoco":
         with _open_mujoco(cell, q_start, realtime=realtime) as station:
