@@ -1,5 +1,6 @@
 """What tests of more than one room share."""
 
+import getpass
 import json
 import os
 import re
@@ -64,6 +65,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 _compile = Dispatcher.compile
+_LOCKS = Path(tempfile.gettempdir()) / f"splinearm-locks-{getpass.getuser()}"
+"""Where workers say to each other what they compile; each user's own."""
 _at_it = set[str]()
 """Kernels that this worker compiles, with those that they call."""
 
@@ -73,7 +76,7 @@ def _compile_once(kernel: Any, signature: Any) -> Any:
     name = f"{kernel.py_func.__module__}.{kernel.py_func.__qualname__}"
     if name in _at_it:
         return _compile(kernel, signature)
-    with global_compiler_lock, (Path(tempfile.gettempdir()) / f"{name}.lock").open("w") as file:
+    with global_compiler_lock, (_LOCKS / f"{name}.lock").open("w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         _at_it.add(name)
         tracer = sys.gettrace()
@@ -86,6 +89,7 @@ def _compile_once(kernel: Any, signature: Any) -> Any:
 
 
 if fcntl is not None:
+    _LOCKS.mkdir(exist_ok=True)
     Dispatcher.compile = _compile_once
 
 
