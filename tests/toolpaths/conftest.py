@@ -1,19 +1,23 @@
 """Parts to be milled, and what is asked of every way of a cutter."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from splinearm.arrays import FloatArray
-from splinearm.toolpaths.action import Action, ArcFeed, Feed, Rapid
+from splinearm.toolpaths.action import Action, ArcFeed, Feed, Moving, Rapid
+from splinearm.toolpaths.checking import verified
 from splinearm.toolpaths.contour import Contour
 from splinearm.toolpaths.contour_kernel import distances
 from splinearm.toolpaths.cutter import Cutter
+from splinearm.toolpaths.gcode_check import write_checked
+from splinearm.toolpaths.gcode_dialect import DIALECTS
 from splinearm.toolpaths.offset import Offsets
 from splinearm.toolpaths.operation import Milling
 from splinearm.toolpaths.region import Region
+from splinearm.toolpaths.work import Done
 
 RADIUS = 2e-3
 
@@ -147,7 +151,7 @@ def follows() -> Callable[[Iterable[Action]], None]:
     def check(actions: Iterable[Action], safe: float = 5e-3) -> None:
         place = None
         for action in actions:
-            if not isinstance(action, Rapid | Feed | ArcFeed):
+            if not isinstance(action, Moving):
                 continue
             if place is not None:
                 np.testing.assert_array_equal(action.start, place)
@@ -155,5 +159,20 @@ def follows() -> Callable[[Iterable[Action]], None]:
                 level = (action.start[:2] == action.end[:2]).all()
                 assert level or action.start[2] == action.end[2] == safe
             place = action.end
+
+    return check
+
+
+@pytest.fixture
+def proven(follows: Callable[[Iterable[Action]], None]) -> Callable[..., str]:
+    """Checks ways against the drawing itself, splines included, and gives their NC program."""
+
+    def check(actions: Sequence[Action], done: Sequence[Done], tolerance: float) -> str:
+        follows(actions)
+        report = verified(actions, done, tolerance)
+        assert report is not None
+        assert report.ok, report.text()
+        assert report.gouge <= 1e-9
+        return write_checked(actions, DIALECTS["linuxcnc"])
 
     return check

@@ -58,20 +58,6 @@ def profile_of(drawing, milling, side, splines=True, tabs=None):
     return carry_out(drawing, [work], Exactness(tolerance=TOLERANCE, splines=splines))
 
 
-def check(actions, done):
-    """The ways join, the check against the splines passes, and the program says the same."""
-    place = None
-    for action in actions:
-        if isinstance(action, Rapid | Feed | ArcFeed | SplineFeed):
-            assert place is None or (action.start == place).all()
-            place = action.end
-    report = verified(actions, done, TOLERANCE)
-    assert report is not None
-    assert report.ok, report.text()
-    assert report.gouge <= 1e-9
-    return write_checked(actions, DIALECTS["linuxcnc"])
-
-
 def directions(way):
     """Give the directions in which a way begins and ends, in the plane."""
     if isinstance(way, ArcFeed):
@@ -165,11 +151,11 @@ def test_a_program_has_splines_where_the_controller_has_them(oval, milling):
 
 
 @pytest.mark.parametrize("entry", [Entry.PLUNGE, Entry.RAMP])
-def test_on_the_line_the_splines_themselves_are_followed(star, milling, entry):
+def test_on_the_line_the_splines_themselves_are_followed(star, milling, entry, proven):
     tabs = Tabs(count=2, length=3e-3, height=1e-3)
     for held in (None, tabs):
         actions, done = profile_of(star, milling(entry=entry), Side.ON, tabs=held)
-        check(actions, done)
+        proven(actions, done, TOLERANCE)
         assert done[0].aim.slack <= 1e-7
         ways = [a.curve for a in actions if isinstance(a, SplineFeed)]
         lines = [each.piece.curve for each in star.drawn]
@@ -196,10 +182,10 @@ def parts_near_each_other(apart):
         (Side.OUTSIDE, Entry.HELIX, None),
     ],
 )
-def test_leads_entries_and_tabs_keep_the_splines(star, milling, side, entry, tabs):
+def test_leads_entries_and_tabs_keep_the_splines(star, milling, side, entry, tabs, proven):
     setting = milling(depth=3e-3, entry=entry, lead=2e-3)
     actions, done = profile_of(star, setting, side, tabs=tabs)
-    text = check(actions, done)
+    text = proven(actions, done, TOLERANCE)
     assert not done[0].milled.notes
     ways = [a for a in actions if isinstance(a, SplineFeed)]
     # all that is level, but for leads, is along splines
@@ -213,9 +199,9 @@ def test_leads_entries_and_tabs_keep_the_splines(star, milling, side, entry, tab
     assert sum(a.length for a in ways) > 0.9 * passes / 2 * 2e-3 * pi
 
 
-def test_leads_go_over_into_the_spline_without_a_corner(oval, milling):
+def test_leads_go_over_into_the_spline_without_a_corner(oval, milling, proven):
     actions, done = profile_of(oval, milling(lead=1e-3), Side.OUTSIDE)
-    check(actions, done)
+    proven(actions, done, TOLERANCE)
     cuts = [a for a in actions if isinstance(a, ArcFeed | SplineFeed)]
     joints = [
         (directions(a)[1], directions(b)[0])
@@ -234,11 +220,11 @@ def test_it_goes_from_level_to_level_without_lifting(star, oval, milling):
         assert sum(isinstance(action, Rapid) for action in actions) == 7
 
 
-def test_a_lifted_spline_is_the_same_curve_cut_in_two(oval, milling):
+def test_a_lifted_spline_is_the_same_curve_cut_in_two(oval, milling, proven):
     plain, _ = profile_of(oval, milling(), Side.OUTSIDE)
     tabs = Tabs(count=2, length=3e-3, height=5e-4)
     lifted, done = profile_of(oval, milling(), Side.OUTSIDE, tabs=tabs)
-    check(lifted, done)
+    proven(lifted, done, TOLERANCE)
     whole = [a.curve for a in plain if isinstance(a, SplineFeed)]
     parts = [a.curve for a in lifted if isinstance(a, SplineFeed)]
     assert sum(c.length() for c in parts) == pytest.approx(sum(c.length() for c in whole), 1e-9)
@@ -287,11 +273,11 @@ def test_what_has_no_room_is_told(milling):
         spline_profile(wires, milling(), Side.OUTSIDE, TOLERANCE, tabs)
 
 
-def test_linuxcnc_takes_leads_ramps_and_tabs_along_splines(star, milling, tmp_path, rs274):
+def test_linuxcnc_takes_leads_ramps_and_tabs_along_splines(star, milling, tmp_path, rs274, proven):
     setting = milling(depth=3e-3, entry=Entry.RAMP, lead=2e-3)
     tabs = Tabs(count=2, length=3e-3, height=1e-3)
     actions, done = profile_of(star, setting, Side.OUTSIDE, tabs=tabs)
-    text = check(actions, done)
+    text = proven(actions, done, TOLERANCE)
     file = tmp_path / "part.ngc"
     file.write_text(text)
     told = rs274(file)
